@@ -1,0 +1,54 @@
+//! What can go wrong, and the exit code it means.
+//!
+//! A message names the file, the line, the value and what to do; the program prints it once, in `cli`.
+
+use std::path::PathBuf;
+
+/// Every error of the library.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A parameter, a method or an option is wrong (exit code 2).
+    #[error("{0}")]
+    Usage(String),
+    /// A log, a sensor file or a map can't be read (exit code 3).
+    #[error("{}{}: {what}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
+    Input {
+        /// The file or folder that is at fault.
+        path: PathBuf,
+        /// Its line, counted from 1, where there is one.
+        line: Option<u64>,
+        /// What is wrong and what to do about it.
+        what: String,
+    },
+    /// A GPU was asked for and none is there, or it can't do the work (exit code 4).
+    #[error("{0}")]
+    NoAdapter(String),
+    /// Memory or disk doesn't suffice, or the output can't be written (exit code 5).
+    #[error("{0}")]
+    Resources(String),
+}
+
+impl Error {
+    /// An [`Error::Input`] about a whole file.
+    pub fn input(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
+        Error::Input { path: path.into(), line: None, what: what.into() }
+    }
+
+    /// An [`Error::Input`] about one line, counted from 1.
+    pub fn at(path: impl Into<PathBuf>, line: u64, what: impl Into<String>) -> Self {
+        Error::Input { path: path.into(), line: Some(line), what: what.into() }
+    }
+
+    /// The process's exit code for this error.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Error::Usage(_) => 2,
+            Error::Input { .. } => 3,
+            Error::NoAdapter(_) => 4,
+            Error::Resources(_) => 5,
+        }
+    }
+}
+
+/// The library's result.
+pub type Result<T> = std::result::Result<T, Error>;

@@ -1,0 +1,7 @@
+//! The grid: which cells there are ([`GridSpec`]) and what a finished map holds ([`Map`], its [`Layer`]s).
+
+mod layer;
+mod spec;
+
+pub use layer::{Class, Data, Layer, Map, Scale};
+pub use spec::GridSpec;

@@ -1,0 +1,14 @@
+//! **echogrid** turns logs of sonar and laser readings into occupancy grids, on any GPU through wgpu and on the CPU with
+//! the same result. The modules stand in the order of the data: a *log* gives *readings*, a *batch* says which tiles they
+//! reach, a *method* runs on one of the *kernels*, the *grid* holds its layers, *output* writes them.
+
+pub mod error;
+pub mod grid;
+pub mod log;
+pub mod method;
+pub mod oracle;
+pub mod output;
+pub mod reading;
+pub mod sensor;
+
+pub use error::{Error, Result};

@@ -1,0 +1,3 @@
+//! The `echogrid` command.
+
+fn main() {}

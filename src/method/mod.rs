@@ -1,0 +1,3 @@
+//! The methods: how a cell's state changes with a reading.
+
+pub mod settings;
