@@ -1,3 +1,160 @@
 //! The methods: how a cell's state changes with a reading.
+//!
+//! A method is a file here and its twin under `shaders/method/`, tied by a line of [`REGISTRY`]. The file holds the pure
+//! functions and the cell's state; the loops over tiles, readings and rows are the drivers' (`kernels`). A cell's state is
+//! a few 32-bit words, one in each *plane*; the first two planes of every method count its interior and arc updates.
 
+pub mod bayes;
+pub mod certainty;
+pub mod dempster_shafer;
+pub mod himm;
 pub mod settings;
+pub mod truth;
+
+use crate::grid::{Class, Scale};
+use crate::kernels::cpu::Job;
+use crate::layout;
+use crate::reading::Outcome;
+use crate::sensor::Sensor;
+use crate::snap::{Footprint, Snapped};
+use crate::{Error, Result};
+use settings::Settings;
+
+/// One kernel over a chunk's tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Pass {
+    /// Σ of the evidence on each reading's arc, tile by tile, from emptiness alone.
+    Weigh,
+    /// Arc cells of each reading.
+    Count,
+    /// The update of the cells.
+    Fuse,
+}
+
+/// One step of a sweep over a batch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// A kernel over every chunk, with the frame's mode bits.
+    Pass(Pass, u32),
+    /// Each reading's parts into its share, in tile order.
+    Sum,
+    /// Each reading's share from its count, on the host.
+    Share,
+}
+
+/// A layer that a method makes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LayerSpec {
+    /// Its name in files and reports.
+    pub name: &'static str,
+    /// What it is, in which unit.
+    pub about: &'static str,
+    /// The value of a cell that no reading reached.
+    pub fill: f32,
+    /// Its colours.
+    pub scale: Scale,
+    /// Whether its values are whole numbers, stored as u32.
+    pub integer: bool,
+}
+
+/// A method with its parameters set.
+pub trait Method: Send + Sync {
+    /// The parameters.
+    fn settings(&self) -> Settings;
+
+    /// What a plane holds before the first reading, for each plane after the two counts.
+    fn start(&self) -> &'static [u32];
+
+    /// The cells that a reading concerns.
+    fn footprint(&self) -> Footprint {
+        Footprint::Cone
+    }
+
+    /// The steps over each batch, in order, for each sweep over the log.
+    fn sweeps(&self) -> &'static [&'static [Step]];
+
+    /// The method's own numbers in the frame.
+    fn constants(&self) -> [[f32; 4]; 2] {
+        [[0.0; 4]; 2]
+    }
+
+    /// The profile's four numbers for one reading.
+    fn profile(&self, _sensor: &Sensor, _snapped: &Snapped) -> [f32; 4] {
+        [0.0; 4]
+    }
+
+    /// What a reading's count of arc cells gives to each of its cells ([`Step::Share`]).
+    fn share(&self, _count: u32, _outcome: Outcome) -> [u32; 4] {
+        [0; 4]
+    }
+
+    /// The layers, in the order of [`Method::values`].
+    fn layers(&self) -> &'static [LayerSpec];
+
+    /// A cell's layers and class from its words, one of each plane, the two counts first.
+    fn values(&self, words: &[u32], layers: &mut [f32]) -> Class;
+
+    /// Runs one pass over one tile: the CPU's half.
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]);
+
+    /// Why only the CPU can do it with these parameters, if so.
+    fn cpu_only(&self) -> Option<&'static str> {
+        None
+    }
+}
+
+/// A line of the registry: what ties a method's two halves, and what help, README and tests say of it.
+pub struct Entry {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// Who described it, when.
+    pub source: &'static str,
+    /// One line: what a cell holds and how it is decided.
+    pub about: &'static str,
+    /// The WGSL half.
+    pub wgsl: &'static str,
+    /// Makes it from its parameters, which must be this method's.
+    pub make: fn(Settings) -> Option<Box<dyn Method>>,
+}
+
+/// Every method.
+pub const REGISTRY: &[Entry] = &[certainty::ENTRY, dempster_shafer::ENTRY, bayes::ENTRY, himm::ENTRY, truth::ENTRY];
+
+/// The registry's line of that name; the error names the nearest.
+pub fn entry(name: &str) -> Result<&'static Entry> {
+    REGISTRY.iter().find(|e| e.name == name).ok_or_else(|| {
+        let names: Vec<&str> = REGISTRY.iter().map(|e| e.name).collect();
+        Error::Usage(format!("there is no method \"{name}\"{}", nearest(name, &names)))
+    })
+}
+
+/// The method with these parameters.
+pub fn make(settings: Settings) -> Box<dyn Method> {
+    match REGISTRY.iter().find_map(|e| (e.make)(settings)) {
+        Some(method) => method,
+        None => unreachable!("every variant of Settings has its line in the registry"),
+    }
+}
+
+/// `; did you mean "x"? There are a, b, c.`
+pub fn nearest(name: &str, known: &[&str]) -> String {
+    let best = known.iter().max_by(|a, b| strsim::jaro(name, a).total_cmp(&strsim::jaro(name, b)));
+    let hint =
+        best.filter(|b| strsim::jaro(name, b) > 0.6).map(|b| format!("did you mean \"{b}\"? ")).unwrap_or_default();
+    format!("; {hint}there are {}", known.join(", "))
+}
+
+/// Words a cell of this method has, the two counts among them.
+pub fn planes(method: &dyn Method) -> usize {
+    2 + method.start().len()
+}
+
+/// Words a tile of this method has.
+pub fn tile_words(method: &dyn Method) -> usize {
+    planes(method) * layout::TILE_CELLS
+}
+
+/// The method's name in the registry.
+pub fn name(method: &dyn Method) -> &'static str {
+    REGISTRY.iter().find(|e| (e.make)(method.settings()).is_some()).map_or("", |e| e.name)
+}

@@ -1,0 +1,108 @@
+// The snapped cone in 64 bits, for readings that reach farther than 1024 cells; twin of src/cone.rs (Wide, on_axis_wide).
+//
+// A 64-bit integer is two u32 in two's complement, (low, high).
+
+fn wide_from(a: i32) -> vec2<u32> {
+    return vec2<u32>(bitcast<u32>(a), select(0u, 0xffffffffu, a < 0));
+}
+
+fn wide_neg(a: vec2<u32>) -> vec2<u32> {
+    let low = ~a.x + 1u;
+    return vec2<u32>(low, ~a.y + select(0u, 1u, low == 0u));
+}
+
+fn wide_add(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+    let low = a.x + b.x;
+    return vec2<u32>(low, a.y + b.y + select(0u, 1u, low < a.x));
+}
+
+fn wide_sub(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+    return wide_add(a, wide_neg(b));
+}
+
+fn wide_negative(a: vec2<u32>) -> bool {
+    return bitcast<i32>(a.y) < 0;
+}
+
+fn wide_less(a: vec2<u32>, b: vec2<u32>) -> bool {
+    return select(a.x < b.x, bitcast<i32>(a.y) < bitcast<i32>(b.y), a.y != b.y);
+}
+
+fn wide_abs(a: vec2<u32>) -> vec2<u32> {
+    return select(a, wide_neg(a), wide_negative(a));
+}
+
+// The product of two 32-bit integers, whole.
+fn wide_mul(a: i32, b: i32) -> vec2<u32> {
+    let p = u32(abs(a));
+    let q = u32(abs(b));
+    let ll = (p & 0xffffu) * (q & 0xffffu);
+    let lh = (p & 0xffffu) * (q >> 16u);
+    let hl = (p >> 16u) * (q & 0xffffu);
+    let hh = (p >> 16u) * (q >> 16u);
+    let middle = (ll >> 16u) + (lh & 0xffffu) + (hl & 0xffffu);
+    let product = vec2<u32>((ll & 0xffffu) | (middle << 16u), hh + (lh >> 16u) + (hl >> 16u) + (middle >> 16u));
+    return select(product, wide_neg(product), (a < 0) != (b < 0));
+}
+
+fn wide_cross(a: vec2<i32>, v: vec2<i32>) -> vec2<u32> {
+    return wide_sub(wide_mul(a.x, v.y), wide_mul(a.y, v.x));
+}
+
+fn wide_dot(a: vec2<i32>, v: vec2<i32>) -> vec2<u32> {
+    return wide_add(wide_mul(a.x, v.x), wide_mul(a.y, v.y));
+}
+
+// A magnitude as the CPU converts it.
+fn wide_float(a: vec2<u32>) -> f32 {
+    return f32(a.y) * 4294967296.0 + f32(a.x);
+}
+
+// cone_row in 64 bits.
+fn wide_row(cone: Cone, first: vec2<i32>) -> Row {
+    let left_limit = wide_from(-i32((cone.flags & HALF_OPEN) != 0u));
+    let laser = (cone.flags & LASER) != 0u;
+    let inner = wide_mul(cone.reach.x, cone.reach.x);
+    let outer = wide_mul(cone.reach.y, cone.reach.y);
+    let half = wide_from(CELL / 2 * DIRECTION);
+    let far = wide_mul(cone.reach.y, DIRECTION);
+    var row: Row;
+    for (var k = 0; k < 4; k++) {
+        let v = first + vec2<i32>(CELL * k, 0);
+        let d2 = wide_dot(v, v);
+        let across = wide_abs(wide_cross(cone.axis, v));
+        let along = wide_dot(cone.axis, v);
+        let ahead = !wide_negative(along);
+        let wedge = !wide_less(left_limit, wide_cross(cone.left, v)) && !wide_negative(wide_cross(cone.right, v)) && ahead;
+        let band = laser && !wide_less(half, across) && ahead && !wide_less(far, along);
+        let inside = wedge || band;
+        row.interior[k] = inside && wide_less(d2, inner);
+        row.arc[k] = inside && !wide_less(d2, inner) && !wide_less(outer, d2);
+        row.d2[k] = wide_float(d2);
+        row.across[k] = wide_float(across);
+        row.along[k] = select(0.0, wide_float(along), ahead);
+    }
+    return row;
+}
+
+// axis_row in 64 bits.
+fn wide_axis_row(cone: Cone, first: vec2<i32>) -> Row {
+    let steep = abs(cone.axis.y) > abs(cone.axis.x);
+    let c = select(cone.axis.x, cone.axis.y, steep);
+    let s = select(cone.axis.y, cone.axis.x, steep);
+    let sgn = sign(c);
+    let edge = wide_from(CELL / 2 * abs(c));
+    let half = wide_from(CELL / 2 * DIRECTION);
+    var row: Row;
+    for (var k = 0; k < 4; k++) {
+        let v = first + vec2<i32>(CELL * k, 0);
+        let a = select(v.x, v.y, steep);
+        let b = select(v.y, v.x, steep);
+        let side = wide_sub(wide_mul(b, c * sgn), wide_mul(a, s * sgn));
+        let on = a * sgn >= 0 && !wide_less(side, wide_neg(edge)) && wide_less(side, edge);
+        let past = wide_sub(wide_mul(DIRECTION, a * sgn), wide_mul(cone.reach.x, abs(c)));
+        row.interior[k] = on && wide_less(past, wide_neg(half));
+        row.arc[k] = on && !wide_less(past, wide_neg(half)) && wide_less(past, half);
+    }
+    return row;
+}

@@ -1,0 +1,132 @@
+//! The CPU's kernels: a tile a task (rayon), a row of 16 cells at a time, one branch-free scalar body under runtime SIMD
+//! dispatch. They follow the WGSL operation by operation, in the same order.
+
+mod gro;
+mod walk;
+
+pub use walk::{Job, Kernel, walk};
+
+use super::{Backend, Chunks, Outcomes, fresh_chunk, shares};
+use crate::batch::{Batch, ChunkList};
+use crate::layout::Frame;
+use crate::method::settings::Settings;
+use crate::method::{self, Method, Pass, Step};
+use crate::{Error, Result};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// The CPU backend.
+pub struct Cpu {
+    pool: rayon::ThreadPool,
+    chunks: Chunks,
+}
+
+impl Cpu {
+    /// With that many threads; 0: one a core.
+    pub fn new(threads: usize) -> Result<Cpu> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|e| Error::Resources(format!("can't start {threads} threads: {e}")))?;
+        Ok(Cpu { pool, chunks: Chunks::new() })
+    }
+}
+
+impl Backend for Cpu {
+    fn name(&self) -> &'static str {
+        "cpu"
+    }
+
+    fn adapter(&self) -> String {
+        format!("{} threads, {}", self.pool.current_num_threads(), walk::simd_level())
+    }
+
+    fn entry_limit(&self) -> usize {
+        1 << 27
+    }
+
+    fn apply(
+        &mut self,
+        method: &dyn Method,
+        frame: Frame,
+        batch: &Batch,
+        outcomes: Outcomes,
+        sweep: usize,
+    ) -> Result<()> {
+        let Cpu { pool, chunks } = self;
+        for list in &batch.chunks {
+            chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| fresh_chunk(method));
+        }
+        if let Settings::Himm(himm) = method.settings()
+            && himm.gro
+        {
+            gro::apply(frame, batch, chunks);
+            return Ok(());
+        }
+        let parts = batch.first_part.last().copied().unwrap_or(0) as usize;
+        let parts: Vec<AtomicU32> = (0..parts.max(batch.cones.len())).map(|_| AtomicU32::new(0)).collect();
+        let mut share: Vec<[u32; 4]> = Vec::new();
+        pool.install(|| {
+            for step in method.sweeps()[sweep] {
+                match *step {
+                    Step::Pass(pass, mode) => {
+                        let frame = Frame { mode, ..frame };
+                        for list in &batch.chunks {
+                            if let Some(state) = chunks.get_mut(&[list.place[1], list.place[0]]) {
+                                run(method, pass, &frame, batch, list, &parts, &share, state);
+                            }
+                        }
+                    }
+                    Step::Sum => share = sums(batch, &parts),
+                    Step::Share => share = shares(method, parts.iter().map(|p| p.load(Ordering::Relaxed)), outcomes),
+                }
+            }
+        });
+        Ok(())
+    }
+
+    fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
+        Ok(std::mem::take(&mut self.chunks))
+    }
+}
+
+/// One pass over a chunk's tiles.
+#[allow(clippy::too_many_arguments, reason = "the bindings of a dispatch")]
+fn run(
+    method: &dyn Method,
+    pass: Pass,
+    frame: &Frame,
+    batch: &Batch,
+    list: &ChunkList,
+    parts: &[AtomicU32],
+    shares: &[[u32; 4]],
+    state: &mut [u32],
+) {
+    // Each listed tile with its own words: slots ascend, so the state is cut from the left.
+    let words = method::tile_words(method);
+    let (mut rest, mut cut, mut work) = (state, 0, Vec::with_capacity(list.tiles.len()));
+    for tile in &list.tiles {
+        let at = tile.slot as usize * words;
+        let (cells, after) = std::mem::take(&mut rest).split_at_mut(at - cut).1.split_at_mut(words);
+        (rest, cut) = (after, at + words);
+        work.push((tile, cells));
+    }
+    work.into_par_iter().for_each(|(tile, cells)| {
+        let entries = &list.entries[tile.entries[0] as usize..tile.entries[1] as usize];
+        method.run(pass, &Job { frame, cones: &batch.cones, tile, entries, parts, shares }, cells);
+    });
+}
+
+/// One over the sum of each reading's parts, in tile order; twin of `shaders/driver/sum.wgsl`.
+fn sums(batch: &Batch, parts: &[AtomicU32]) -> Vec<[u32; 4]> {
+    let part = |k: u32| f32::from_bits(parts[k as usize].load(Ordering::Relaxed));
+    batch
+        .first_part
+        .windows(2)
+        .map(|w| {
+            let sum = (w[0]..w[1]).fold(0.0, |sum, k| sum + part(k));
+            let normaliser: f32 = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+            [normaliser.to_bits(), 0, 0, 0]
+        })
+        .collect()
+}

@@ -1,0 +1,110 @@
+//! The bytes that both backends read; twin of `shaders/layout.wgsl`.
+//!
+//! One unit is 1/32 of a cell. Coordinates count from the lower left corner of the grid. Directions are the unit vector
+//! times 8192. A test holds every name, offset and constant of this file against the WGSL.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Units in a cell.
+pub const CELL: i32 = 32;
+/// Length of a direction vector.
+pub const DIRECTION: i32 = 8192;
+/// Cells along a tile's edge: a tile is one workgroup's work.
+pub const TILE: usize = 16;
+/// Cells of a tile.
+pub const TILE_CELLS: usize = TILE * TILE;
+/// Tiles along a chunk's edge: a chunk of 1024 × 1024 cells is the unit of residence.
+pub const CHUNK: usize = 64;
+
+/// Cone flag: no echo came; the arc does not count.
+pub const NO_ECHO: u32 = 1;
+/// Cone flag: a laser, widened to half a cell on each side of its axis.
+pub const LASER: u32 = 2;
+/// Cone flag: the left edge belongs to the neighbour.
+pub const HALF_OPEN: u32 = 4;
+/// Cone flag: reaches farther than 1024 cells; decided in 64-bit integers.
+pub const WIDE: u32 = 8;
+
+/// Entry flag: the arc may meet this tile.
+pub const ARC: u32 = 1;
+/// Entry flag: every cell of the tile is interior.
+pub const INSIDE: u32 = 2;
+/// Bits of an entry below the cone's index.
+pub const ENTRY_SHIFT: u32 = 2;
+
+/// Frame mode: the pass frees (updates emptiness).
+pub const FREE: u32 = 1;
+/// Frame mode: the pass occupies.
+pub const OCCUPY: u32 = 2;
+/// Frame mode: the pass counts its cell updates.
+pub const COUNT: u32 = 4;
+
+/// One pass over one grid.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Frame {
+    /// Columns and rows of the grid, cells.
+    pub size: [u32; 2],
+    /// [`FREE`], [`OCCUPY`], [`COUNT`].
+    pub mode: u32,
+    /// Metres a unit.
+    pub scale: f32,
+    /// The method's own numbers.
+    pub constants: [[f32; 4]; 2],
+}
+
+/// A reading's snapped cone and the numbers of its profile.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Cone {
+    /// The sensor, units.
+    pub sensor: [i32; 2],
+    /// Where the arc begins, max(0, R − ε), and ends, R + ε, units (himm: R itself, and a bound of its reach).
+    pub reach: [i32; 2],
+    /// Direction of the axis.
+    pub axis: [i32; 2],
+    /// Direction of the left edge, heading + β.
+    pub left: [i32; 2],
+    /// Direction of the right edge, heading − β.
+    pub right: [i32; 2],
+    /// [`NO_ECHO`], [`LASER`], [`HALF_OPEN`], [`WIDE`].
+    pub flags: u32,
+    /// Where the reading stands in its batch.
+    pub index: u32,
+    /// Length of the axis' direction · 1/β (0: the off-axis angle counts as 0) · two spare.
+    pub shape: [f32; 4],
+    /// Four numbers of the method's profile.
+    pub profile: [f32; 4],
+}
+
+/// A tile that a batch reaches.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct Tile {
+    /// Its lower left cell: column, row.
+    pub corner: [u32; 2],
+    /// Its entries, from, to (exclusive).
+    pub entries: [u32; 2],
+    /// Its place in its chunk's state.
+    pub slot: u32,
+    /// Spare.
+    pub spare: [u32; 3],
+}
+
+/// A cone in a tile's list.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct Entry {
+    /// The cone's index, shifted by [`ENTRY_SHIFT`], and [`ARC`], [`INSIDE`].
+    pub cone: u32,
+    /// Where this tile's share of the cone's arc is summed.
+    pub slot: u32,
+}
+
+impl Entry {
+    /// The cone's index.
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        (self.cone >> ENTRY_SHIFT) as usize
+    }
+}

@@ -1,0 +1,269 @@
+//! From readings to a map: snap, bin, run the method's sweeps on a backend, take the layers out.
+
+use crate::batch::{Batch, Binning};
+use crate::grid::{Class, Data, GridSpec, Layer, Map, Scale};
+use crate::kernels::{Backend, Chunks};
+use crate::layout::{ARC, CELL, CHUNK, Cone, DIRECTION, Frame, INSIDE, NO_ECHO, TILE, TILE_CELLS, WIDE};
+use crate::method::{self, Method};
+use crate::reading::{Counts, Outcome, Reading};
+use crate::sensor::Sensor;
+use crate::snap::{Edges, Footprint, region, snap};
+use crate::{Error, Result};
+use rayon::prelude::*;
+
+/// A reading, and its wedge's edges where the method needs them (`truth`).
+pub type Item = (Reading, Option<Edges>);
+
+/// Readings that a batch holds by default: enough to fill any machine, few enough to bin in little memory.
+pub const BATCH: usize = 65_536;
+
+/// Maps readings, batch by batch.
+pub struct Mapper<'a> {
+    grid: GridSpec,
+    sensors: &'a [Sensor],
+    method: &'a dyn Method,
+    backend: &'a mut dyn Backend,
+    batch: usize,
+    /// What became of the readings: `outside`, `empty_arc` and `wide` are counted here.
+    pub counts: Counts,
+    /// Tiles, cones in tiles, chunks: what the batches came to.
+    pub work: Work,
+}
+
+/// How much the batches held.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Batches.
+    pub batches: u64,
+    /// (Cone, tile) pairs.
+    pub entries: u64,
+    /// Seconds of binning, in µs.
+    pub binning_us: u64,
+}
+
+impl<'a> Mapper<'a> {
+    /// A mapper of readings of these sensors; `batch`: readings at a time (the result does not depend on it).
+    pub fn new(
+        grid: GridSpec,
+        sensors: &'a [Sensor],
+        method: &'a dyn Method,
+        backend: &'a mut dyn Backend,
+        batch: usize,
+    ) -> Self {
+        let batch = batch.max(1);
+        Mapper { grid, sensors, method, backend, batch, counts: Counts::default(), work: Work::default() }
+    }
+
+    /// One sweep over the log: `items` are its readings in order, the same in every sweep.
+    pub fn sweep(&mut self, sweep: usize, items: impl Iterator<Item = Result<Item>>) -> Result<()> {
+        let mut held = Vec::new();
+        for item in items {
+            held.push(item?);
+            if held.len() == self.batch {
+                self.apply(sweep, &held)?;
+                held.clear();
+            }
+        }
+        self.apply(sweep, &held)
+    }
+
+    /// Maps one batch.
+    fn apply(&mut self, sweep: usize, items: &[Item]) -> Result<()> {
+        if items.is_empty() {
+            return Ok(());
+        }
+        let started = std::time::Instant::now();
+        let snapped: Vec<Option<Cone>> = {
+            let (grid, sensors, method) = (&self.grid, self.sensors, self.method);
+            items.par_iter().map(|item| snap_item(grid, sensors, method, item)).collect()
+        };
+        let outcomes: Vec<Outcome> =
+            snapped.iter().zip(items).filter(|(s, _)| s.is_some()).map(|(_, (r, _))| r.outcome).collect();
+        let misses = snapped.iter().filter(|s| s.is_none()).count() as u64;
+        let binning = Binning {
+            size: [self.grid.width, self.grid.height],
+            footprint: self.method.footprint(),
+            no_echo_arcs: self.method.sweeps()[sweep].contains(&method::Step::Share),
+        };
+        let batch = binning.bin(snapped.into_iter().flatten().collect());
+        self.work.binning_us += started.elapsed().as_micros() as u64;
+        let limit = self.backend.entry_limit();
+        let largest = batch.chunks.iter().map(|c| c.entries.len()).max().unwrap_or(0);
+        if largest.max(batch.first_part.last().map_or(0, |p| *p as usize)) > limit {
+            if items.len() == 1 {
+                return Err(Error::Resources(format!(
+                    "one reading reaches {largest} tiles of a chunk, more than the adapter's limit of {limit}: use a coarser \
+                     --resolution or --backend cpu"
+                )));
+            }
+            let (first, last) = items.split_at(items.len() / 2);
+            self.apply(sweep, first)?;
+            return self.apply(sweep, last);
+        }
+        if sweep == 0 {
+            self.counts.outside += misses;
+            self.count(&batch);
+        }
+        self.work.batches += 1;
+        self.work.entries += batch.chunks.iter().map(|c| c.entries.len() as u64).sum::<u64>();
+        let frame = Frame {
+            size: [self.grid.width as u32, self.grid.height as u32],
+            mode: 0,
+            scale: (self.grid.resolution / f64::from(CELL)) as f32,
+            constants: self.method.constants(),
+        };
+        self.backend.apply(self.method, frame, &batch, &outcomes, sweep)
+    }
+
+    /// Counts the readings that reach no cell, those without arc cells, and the wide ones.
+    fn count(&mut self, batch: &Batch) {
+        let footprint = self.method.footprint();
+        let mut tiles: Vec<Vec<([u32; 2], u32)>> = vec![Vec::new(); batch.cones.len()];
+        let mut interior = vec![false; batch.cones.len()];
+        let suspects: Vec<bool> =
+            batch.cones.par_iter().map(|c| !tip_is_arc(c, footprint, [self.grid.width, self.grid.height])).collect();
+        for list in &batch.chunks {
+            for tile in &list.tiles {
+                for entry in &list.entries[tile.entries[0] as usize..tile.entries[1] as usize] {
+                    let k = entry.index();
+                    interior[k] |= entry.cone & INSIDE != 0;
+                    if suspects[k] {
+                        tiles[k].push((tile.corner, entry.cone & ARC));
+                    }
+                }
+            }
+        }
+        let size = [self.grid.width, self.grid.height];
+        let found: Vec<(bool, bool)> = (0..batch.cones.len())
+            .into_par_iter()
+            .map(|k| {
+                if !suspects[k] {
+                    return (true, true);
+                }
+                let mut any = (interior[k], false);
+                let hit = batch.cones[k].flags & NO_ECHO == 0;
+                for (corner, _) in &tiles[k] {
+                    for cell in 0..TILE_CELLS {
+                        let at = [corner[0] as usize + cell % TILE, corner[1] as usize + cell / TILE];
+                        if at[0] < size[0] && at[1] < size[1] {
+                            let (i, a) = region(&batch.cones[k], footprint, at[0] as i64, at[1] as i64);
+                            any = (any.0 | i, any.1 | (a & hit));
+                        }
+                    }
+                    if any.1 || (any.0 && !hit) {
+                        break;
+                    }
+                }
+                any
+            })
+            .collect();
+        for (cone, (interior, arc)) in batch.cones.iter().zip(found) {
+            self.counts.wide += u64::from(cone.flags & WIDE != 0);
+            self.counts.outside += u64::from(!interior && !arc);
+            self.counts.empty_arc += u64::from(interior && !arc && cone.flags & NO_ECHO == 0);
+        }
+    }
+
+    /// The finished map.
+    pub fn finish(self) -> Result<Map> {
+        let chunks = self.backend.finish(self.method)?;
+        Ok(layers(&self.grid, self.method, &chunks))
+    }
+}
+
+/// Snaps a reading and gives it its method's profile.
+pub(crate) fn snap_item(
+    grid: &GridSpec,
+    sensors: &[Sensor],
+    method: &dyn Method,
+    (reading, edges): &Item,
+) -> Option<Cone> {
+    let sensor = &sensors[reading.record.sensor as usize];
+    let (cone, snapped) = snap(grid, sensor, reading, method.footprint(), *edges)?;
+    Some(Cone { profile: method.profile(sensor, &snapped), ..cone })
+}
+
+/// Whether a cell near the tip of the axis is on the reading's arc: nearly every hit has one there.
+fn tip_is_arc(cone: &Cone, footprint: Footprint, size: [usize; 2]) -> bool {
+    if cone.flags & NO_ECHO != 0 {
+        return false;
+    }
+    let range = match footprint {
+        Footprint::Axis => i64::from(cone.reach[0]),
+        _ => (i64::from(cone.reach[0]) + i64::from(cone.reach[1])) / 2,
+    };
+    let tip = [0, 1].map(|k| {
+        let along = i64::from(cone.axis[k]) * range / i64::from(DIRECTION);
+        (i64::from(cone.sensor[k]) + along).div_euclid(i64::from(CELL))
+    });
+    (-1..=1).any(|j| {
+        (-1..=1).any(|i| {
+            let [x, y] = [tip[0] + i, tip[1] + j];
+            let within = x >= 0 && y >= 0 && x < size[0] as i64 && y < size[1] as i64;
+            within && region(cone, footprint, x, y).1
+        })
+    })
+}
+
+/// Takes the layers out of the chunks' words.
+fn layers(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Map {
+    let specs = method.layers();
+    let cells = grid.cells();
+    let mut values: Vec<Vec<f32>> = specs.iter().map(|s| vec![s.fill; cells]).collect();
+    let (mut touched, mut class) = (vec![0u8; cells], vec![0i8; cells]);
+    let (mut interior, mut arc) = (vec![0u32; cells], vec![0u32; cells]);
+    let (planes, words) = (method::planes(method), method::tile_words(method));
+    let mut cell = vec![0u32; planes];
+    let mut out = vec![0f32; specs.len()];
+    for (place, state) in chunks {
+        for (slot, tile) in state.chunks_exact(words).enumerate() {
+            let corner = [place[1] as usize * CHUNK + slot % CHUNK, place[0] as usize * CHUNK + slot / CHUNK];
+            let (x0, y0) = (corner[0] * TILE, corner[1] * TILE);
+            for y in y0..(y0 + TILE).min(grid.height) {
+                for x in x0..(x0 + TILE).min(grid.width) {
+                    let at = (y - y0) * TILE + x - x0;
+                    if tile[at] + tile[TILE_CELLS + at] == 0 {
+                        continue;
+                    }
+                    for (p, word) in cell.iter_mut().enumerate() {
+                        *word = tile[p * TILE_CELLS + at];
+                    }
+                    let k = y * grid.width + x;
+                    class[k] = method.values(&cell, &mut out) as i8;
+                    touched[k] = 1;
+                    (interior[k], arc[k]) = (cell[0], cell[1]);
+                    for (layer, value) in values.iter_mut().zip(&out) {
+                        layer[k] = *value;
+                    }
+                }
+            }
+        }
+    }
+    let updates = interior.iter().chain(&arc).map(|n| u64::from(*n)).sum();
+    let mut layers: Vec<Layer> = specs
+        .iter()
+        .zip(values)
+        .map(|(spec, values)| Layer {
+            name: spec.name.into(),
+            about: spec.about,
+            data: if spec.integer { Data::U32(values.iter().map(|v| *v as u32).collect()) } else { Data::F32(values) },
+            fill: f64::from(spec.fill),
+            scale: spec.scale,
+        })
+        .collect();
+    layers.push(Layer {
+        name: "touched".into(),
+        about: "1 where a reading reached the cell",
+        data: Data::U8(touched),
+        fill: 0.0,
+        scale: Scale::Grey { low: 0.0, high: 1.0 },
+    });
+    layers.push(Layer {
+        name: "class".into(),
+        about: "1 occupied, 0 unknown, -1 empty, by the method's decision rule",
+        data: Data::I8(class),
+        fill: f64::from(Class::Unknown as i8),
+        scale: Scale::Signed { limit: 1.0 },
+    });
+    Map { grid: *grid, method: method::name(method).into(), layers, updates, interior, arc }
+}

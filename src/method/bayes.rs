@@ -1,0 +1,134 @@
+//! Bayesian occupancy grid (Elfes 1989; likelihoods of Murphy 2000, expressions 11.1 to 11.6); twin of
+//! `shaders/method/bayes.wgsl`.
+//!
+//! A cell keeps the log odds of occupied. Murphy's profile needs a logarithm a cell update, its main cost; the constant
+//! model, for lasers, needs none.
+
+use super::settings::{Bayes, Likelihood, Settings};
+use super::{Entry, LayerSpec, Method, Pass, Step};
+use crate::cone::Row;
+use crate::grid::{Class, Scale};
+use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::layout::{COUNT, Cone, Frame, TILE};
+use crate::profile::{log, murphy, polar};
+use crate::sensor::Sensor;
+use crate::snap::Snapped;
+
+/// The registry's line.
+pub const ENTRY: Entry = Entry {
+    name: "bayes",
+    source: "Elfes 1989; Murphy 2000",
+    about: "log odds of occupied from each reading's likelihoods",
+    wgsl: include_str!("../../shaders/method/bayes.wgsl"),
+    make: |settings| match settings {
+        Settings::Bayes(b) => Some(Box::new(b)),
+        _ => None,
+    },
+};
+
+/// P(s|·) is kept within these: certainty would leave no way back.
+const LEAST: f32 = 0.02;
+const MOST: f32 = 0.98;
+
+/// What a reading adds to the log odds of occupied, by Murphy's profile.
+#[inline(always)]
+fn evidence(frame: &Frame, near: f32, arc: bool) -> f32 {
+    let [max_occ, floor_one, floor_two, _] = frame.constants[0];
+    // Region I: P(s|occupied); region II: P(s|empty).
+    let p = if arc { (near * max_occ).max(floor_one) } else { near.max(floor_two) };
+    let p = p.clamp(LEAST, MOST);
+    let l = log(p / (1.0 - p));
+    if arc { l } else { -l }
+}
+
+const fn layer(name: &'static str, about: &'static str, fill: f32, scale: Scale) -> LayerSpec {
+    LayerSpec { name, about, fill, scale, integer: false }
+}
+
+/// The layers.
+const LAYERS: &[LayerSpec] = &[
+    layer("log_odds", "log odds of occupied", 0.0, Scale::Signed { limit: 6.0 }),
+    layer("p_occ", "probability of occupied", 0.5, Scale::Grey { low: 0.0, high: 1.0 }),
+    layer("p_emp", "probability of empty", 0.5, Scale::Grey { low: 0.0, high: 1.0 }),
+];
+
+impl Kernel for Bayes {
+    type Cells = [f32; TILE];
+
+    #[inline(always)]
+    fn load(planes: &[[u32; TILE]], row: usize) -> [f32; TILE] {
+        planes[row].map(f32::from_bits)
+    }
+
+    #[inline(always)]
+    fn store(cells: &[f32; TILE], planes: &mut [[u32; TILE]], row: usize) {
+        planes[row] = cells.map(f32::to_bits);
+    }
+
+    #[inline(always)]
+    fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, _: &[u32; 4], odds: &mut [f32; TILE]) {
+        if frame.constants[0][3] != 0.0 {
+            let [hit, miss, ..] = frame.constants[1];
+            for k in 0..TILE {
+                let l = if row.arc[k] { hit } else { miss };
+                odds[k] += if row.interior[k] | row.arc[k] { l } else { 0.0 };
+            }
+            return;
+        }
+        let (d, turn) = polar(frame, cone, row);
+        for k in 0..TILE {
+            let l = evidence(frame, murphy(cone.profile[0], d[k], turn[k]), row.arc[k]);
+            odds[k] += if row.interior[k] | row.arc[k] { l } else { 0.0 };
+        }
+    }
+}
+
+impl Method for Bayes {
+    fn settings(&self) -> Settings {
+        Settings::Bayes(*self)
+    }
+
+    fn start(&self) -> &'static [u32] {
+        &[0]
+    }
+
+    fn sweeps(&self) -> &'static [&'static [Step]] {
+        &[&[Step::Pass(Pass::Fuse, COUNT)]]
+    }
+
+    fn constants(&self) -> [[f32; 4]; 2] {
+        let constant = f64::from(self.model == Likelihood::Constant);
+        let odds = |p: f64| (p / (1.0 - p)).ln();
+        [
+            [self.max_occ, self.region_one_floor, self.region_two_floor, constant].map(|v| v as f32),
+            [odds(self.p_hit), odds(self.p_miss), 0.0, 0.0].map(|v| v as f32),
+        ]
+    }
+
+    fn profile(&self, sensor: &Sensor, _: &Snapped) -> [f32; 4] {
+        [(1.0 / sensor.r_max) as f32, 0.0, 0.0, 0.0]
+    }
+
+    fn layers(&self) -> &'static [LayerSpec] {
+        LAYERS
+    }
+
+    fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
+        let odds = f32::from_bits(words[2]);
+        let p = 1.0 / (1.0 + (-f64::from(odds)).exp());
+        layers.copy_from_slice(&[odds, p as f32, (1.0 / (1.0 + f64::from(odds).exp())) as f32]);
+        if words[0] + words[1] == 0 {
+            Class::Unknown
+        } else if p > self.p_occupied {
+            Class::Occupied
+        } else if p < self.p_empty {
+            Class::Empty
+        } else {
+            Class::Unknown
+        }
+    }
+
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
+        walk(self, pass, job, state);
+    }
+}

@@ -1,0 +1,163 @@
+//! Certainty grid (Moravec & Elfes 1985); twin of `shaders/method/certainty.wgsl`.
+//!
+//! Emptiness never depends on occupancy. So for a whole batch each reading's Σ Occ_k follows from a pass over emptiness
+//! alone (weigh), and a second pass (fuse), knowing the sums, updates both: two passes with the sequential meaning.
+//!
+//! A cell keeps the complements 1 − Emp and 1 − Occ, which are products: 1 − (E + e − E·e) = (1 − E)(1 − e). So 1 − Emp
+//! keeps its relative precision where Emp is nearly 1, and cancelling there means something in f32. Below 2⁻⁵⁴ it is cut
+//! to 0, as 1 − Emp is in IEEE double precision: a cell surely empty takes no occupancy.
+
+use super::settings::{Certainty, Order, Settings};
+use super::{Entry, LayerSpec, Method, Pass, Step};
+use crate::cone::Row;
+use crate::grid::{Class, Scale};
+use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::layout::{COUNT, Cone, FREE, Frame, OCCUPY, TILE};
+use crate::profile::polar;
+use crate::sensor::Sensor;
+use crate::snap::Snapped;
+
+/// The registry's line.
+pub const ENTRY: Entry = Entry {
+    name: "certainty",
+    source: "Moravec & Elfes 1985",
+    about: "certainties of empty and of occupied, the occupied of each reading cancelled and normalised over its arc",
+    wgsl: include_str!("../../shaders/method/certainty.wgsl"),
+    make: |settings| match settings {
+        Settings::Certainty(c) => Some(Box::new(c)),
+        _ => None,
+    },
+};
+
+/// 1 − Emp below this is 0: the spacing of f64 just below 1, halved.
+const CERTAIN: f32 = 5.551_115e-17;
+
+/// The complements of a row's certainties.
+#[derive(Debug, Clone, Copy)]
+pub struct Cells {
+    /// 1 − Emp.
+    open: [f32; TILE],
+    /// 1 − Occ.
+    clear: [f32; TILE],
+}
+
+/// 1 − Emp_k, without cancellation: Emp_k = (1 − p²)(1 − t²), p = (d − r_min)/(R − ε − r_min), t = θ/β.
+#[inline(always)]
+fn not_emp(profile: [f32; 4], d: f32, turn: f32) -> f32 {
+    let p = (d - profile[0]).max(0.0) * profile[1];
+    let p2 = (p * p).min(1.0);
+    let t2 = (turn * turn).min(1.0);
+    p2 + t2 * (1.0 - p2)
+}
+
+/// Occ_k = (1 − ((d − R)/ε)²)(1 − t²).
+#[inline(always)]
+fn occ(profile: [f32; 4], d: f32, turn: f32) -> f32 {
+    let e = (d - profile[2]) * profile[3];
+    (1.0 - e * e).max(0.0) * (1.0 - turn * turn).max(0.0)
+}
+
+const GREY: Scale = Scale::Grey { low: 0.0, high: 1.0 };
+
+const fn layer(name: &'static str, about: &'static str, scale: Scale) -> LayerSpec {
+    LayerSpec { name, about, fill: 0.0, scale, integer: false }
+}
+
+/// The layers.
+const LAYERS: &[LayerSpec] = &[
+    layer("emp", "certainty of empty, 0 to 1", GREY),
+    layer("occ", "certainty of occupied, 0 to 1", GREY),
+    layer("map", "occ where occ >= emp, else -emp", Scale::Signed { limit: 1.0 }),
+];
+
+impl Kernel for Certainty {
+    type Cells = Cells;
+
+    #[inline(always)]
+    fn load(planes: &[[u32; TILE]], row: usize) -> Cells {
+        Cells { open: planes[row].map(f32::from_bits), clear: planes[TILE + row].map(f32::from_bits) }
+    }
+
+    #[inline(always)]
+    fn store(cells: &Cells, planes: &mut [[u32; TILE]], row: usize) {
+        planes[row] = cells.open.map(f32::to_bits);
+        planes[TILE + row] = cells.clear.map(f32::to_bits);
+    }
+
+    #[inline(always)]
+    fn weigh(&self, frame: &Frame, cone: &Cone, row: &Row, cells: &mut Cells) -> [f32; TILE] {
+        let (d, turn) = polar(frame, cone, row);
+        let free = frame.mode & FREE != 0;
+        let mut evidence = [0.0; TILE];
+        for k in 0..TILE {
+            let open = cells.open[k] * not_emp(cone.profile, d[k], turn[k]);
+            let open = if open < CERTAIN { 0.0 } else { open };
+            cells.open[k] = if row.interior[k] & free { open } else { cells.open[k] };
+            let occupied = occ(cone.profile, d[k], turn[k]) * cells.open[k];
+            evidence[k] = if row.arc[k] { occupied } else { 0.0 };
+        }
+        evidence
+    }
+
+    #[inline(always)]
+    fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, share: &[u32; 4], cells: &mut Cells) {
+        let evidence = self.weigh(frame, cone, row, cells);
+        if frame.mode & OCCUPY == 0 {
+            return;
+        }
+        let normaliser = f32::from_bits(share[0]);
+        for k in 0..TILE {
+            cells.clear[k] *= (1.0 - evidence[k] * normaliser).max(0.0);
+        }
+    }
+}
+
+impl Method for Certainty {
+    fn settings(&self) -> Settings {
+        Settings::Certainty(*self)
+    }
+
+    fn start(&self) -> &'static [u32] {
+        const ONE: u32 = 1f32.to_bits();
+        &[ONE, ONE]
+    }
+
+    fn sweeps(&self) -> &'static [&'static [Step]] {
+        match self.order {
+            Order::Sequential => {
+                &[&[Step::Pass(Pass::Weigh, FREE), Step::Sum, Step::Pass(Pass::Fuse, FREE | OCCUPY | COUNT)]]
+            }
+            Order::Batch => &[
+                &[Step::Pass(Pass::Fuse, FREE | COUNT)],
+                &[Step::Pass(Pass::Weigh, 0), Step::Sum, Step::Pass(Pass::Fuse, OCCUPY)],
+            ],
+        }
+    }
+
+    fn profile(&self, sensor: &Sensor, snapped: &Snapped) -> [f32; 4] {
+        let span = snapped.range - snapped.epsilon - sensor.r_min;
+        let per_span = if span > 0.0 { 1.0 / span } else { 0.0 };
+        let per_epsilon = if snapped.epsilon > 0.0 { 1.0 / snapped.epsilon } else { 0.0 };
+        [sensor.r_min, per_span, snapped.range, per_epsilon].map(|v| v as f32)
+    }
+
+    fn layers(&self) -> &'static [LayerSpec] {
+        LAYERS
+    }
+
+    fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
+        let (open, clear) = (f32::from_bits(words[2]), f32::from_bits(words[3]));
+        let (emp, occ) = (1.0 - open, 1.0 - clear);
+        let occupied = clear <= open;
+        layers.copy_from_slice(&[emp, occ, if occupied { occ } else { -emp }]);
+        match (occupied, clear < 1.0) {
+            (true, true) => Class::Occupied,
+            (true, false) => Class::Unknown,
+            (false, _) => Class::Empty,
+        }
+    }
+
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
+        walk(self, pass, job, state);
+    }
+}

@@ -1,0 +1,179 @@
+//! Dempster-Shafer evidential grid (Pagac, Nebot & Durrant-Whyte 1998); twin of `shaders/method/dempster_shafer.wgsl`.
+//!
+//! Each reading's evidence is for empty or for full, never both, so Dempster's rule needs only two sums a cell,
+//! −Σ ln(1 − e) and −Σ ln(1 − f). They are kept in 64-bit fixed point: exact, free of order, the same on every backend.
+
+use super::settings::{DempsterShafer, MassModel, Rho, Settings};
+use super::{Entry, LayerSpec, Method, Pass, Step};
+use crate::cone::Row;
+use crate::grid::{Class, Scale};
+use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::layout::{COUNT, Cone, Frame, TILE};
+use crate::profile::{log, murphy, polar};
+use crate::reading::Outcome;
+use crate::sensor::Sensor;
+use crate::snap::Snapped;
+
+/// The registry's line.
+pub const ENTRY: Entry = Entry {
+    name: "dempster-shafer",
+    source: "Pagac, Nebot & Durrant-Whyte 1998",
+    about: "masses of empty, full and unknown, and their accumulated conflict",
+    wgsl: include_str!("../../shaders/method/dempster_shafer.wgsl"),
+    make: |settings| match settings {
+        Settings::DempsterShafer(d) => Some(Box::new(d)),
+        _ => None,
+    },
+};
+
+/// The sums' unit.
+const UNIT: f64 = 1.0 / (1u64 << 40) as f64;
+/// One, in the units of a logarithm that a kernel takes itself.
+const LOG_ONE: f32 = 16_777_216.0;
+/// Masses nearer than this are a tie: unknown.
+const TIE: f64 = 1e-6;
+
+/// A row's sums: −Σ ln(1 − e) and −Σ ln(1 − f), low and high words.
+#[derive(Debug, Clone, Copy)]
+pub struct Cells {
+    empty: [[u32; TILE]; 2],
+    full: [[u32; TILE]; 2],
+}
+
+/// −ln(1 − m) in units of 2⁻²⁴.
+#[inline(always)]
+fn weight(m: f32) -> u32 {
+    (-log(1.0 - m) * LOG_ONE + 0.5) as u32
+}
+
+/// 64-bit sum += addend, where `on`.
+#[inline(always)]
+fn add(sum: &mut [[u32; TILE]; 2], addend: [[u32; TILE]; 2], on: [bool; TILE]) {
+    for k in 0..TILE {
+        let low = sum[0][k].wrapping_add(if on[k] { addend[0][k] } else { 0 });
+        let high = if on[k] { addend[1][k] } else { 0 } + u32::from(low < sum[0][k]);
+        sum[0][k] = low;
+        sum[1][k] = sum[1][k].wrapping_add(high);
+    }
+}
+
+const fn layer(name: &'static str, about: &'static str, fill: f32, high: f64) -> LayerSpec {
+    LayerSpec { name, about, fill, scale: Scale::Grey { low: 0.0, high }, integer: false }
+}
+
+/// The layers.
+const LAYERS: &[LayerSpec] = &[
+    layer("empty", "mass of empty", 0.0, 1.0),
+    layer("full", "mass of full", 0.0, 1.0),
+    layer("unknown", "mass of {empty, full}", 1.0, 1.0),
+    layer("conflict", "accumulated conflict, the sum of ln 1/(1 - K)", 0.0, 5.0),
+];
+
+impl Kernel for DempsterShafer {
+    type Cells = Cells;
+
+    #[inline(always)]
+    fn load(planes: &[[u32; TILE]], row: usize) -> Cells {
+        let plane = |p: usize| planes[p * TILE + row];
+        Cells { empty: [plane(0), plane(1)], full: [plane(2), plane(3)] }
+    }
+
+    #[inline(always)]
+    fn store(cells: &Cells, planes: &mut [[u32; TILE]], row: usize) {
+        planes[row] = cells.empty[0];
+        planes[TILE + row] = cells.empty[1];
+        planes[2 * TILE + row] = cells.full[0];
+        planes[3 * TILE + row] = cells.full[1];
+    }
+
+    #[inline(always)]
+    fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, share: &[u32; 4], cells: &mut Cells) {
+        if frame.constants[0][2] == 0.0 {
+            add(&mut cells.empty, [[share[0]; TILE], [share[1]; TILE]], row.interior);
+            add(&mut cells.full, [[share[2]; TILE], [share[3]; TILE]], row.arc);
+            return;
+        }
+        let [max_occ, cap, ..] = frame.constants[0];
+        let (d, turn) = polar(frame, cone, row);
+        let (mut low, mut high) = ([0; TILE], [0; TILE]);
+        for k in 0..TILE {
+            let near = murphy(cone.profile[0], d[k], turn[k]);
+            let m = if row.arc[k] { near * max_occ } else { near };
+            let w = weight(m.clamp(0.0, cap));
+            low[k] = w << 16;
+            high[k] = w >> 16;
+        }
+        add(&mut cells.empty, [low, high], row.interior);
+        add(&mut cells.full, [low, high], row.arc);
+    }
+}
+
+impl Method for DempsterShafer {
+    fn settings(&self) -> Settings {
+        Settings::DempsterShafer(*self)
+    }
+
+    fn start(&self) -> &'static [u32] {
+        &[0, 0, 0, 0]
+    }
+
+    fn sweeps(&self) -> &'static [&'static [Step]] {
+        match self.model {
+            MassModel::Pagac => &[&[Step::Pass(Pass::Count, 0), Step::Share, Step::Pass(Pass::Fuse, COUNT)]],
+            MassModel::Murphy => &[&[Step::Pass(Pass::Fuse, COUNT)]],
+        }
+    }
+
+    fn constants(&self) -> [[f32; 4]; 2] {
+        let murphy = f32::from(u8::from(self.model == MassModel::Murphy));
+        [[self.max_occ as f32, self.cap as f32, murphy, 0.0], [0.0; 4]]
+    }
+
+    fn profile(&self, sensor: &Sensor, _: &Snapped) -> [f32; 4] {
+        [(1.0 / sensor.r_max) as f32, 0.0, 0.0, 0.0]
+    }
+
+    fn share(&self, count: u32, outcome: Outcome) -> [u32; 4] {
+        if count == 0 {
+            return [0; 4];
+        }
+        let one_over_n = 1.0 / f64::from(count);
+        let rho = match self.rho {
+            Rho::OneOverN => one_over_n,
+            Rho::Constant(rho) => rho,
+        };
+        let words = |mass: f64| {
+            let weight = (-(-mass.min(self.cap)).ln_1p() / UNIT).round() as u64;
+            [weight as u32, (weight >> 32) as u32]
+        };
+        let [e, f] = [words(rho), words(if outcome == Outcome::Hit { one_over_n } else { 0.0 })];
+        [e[0], e[1], f[0], f[1]]
+    }
+
+    fn layers(&self) -> &'static [LayerSpec] {
+        LAYERS
+    }
+
+    fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
+        let sum = |low: u32, high: u32| -((u64::from(high) << 32 | u64::from(low)) as f64) * UNIT;
+        let (le, lf) = (sum(words[2], words[3]), sum(words[4], words[5]));
+        // A = e^LE and B = e^LF, both over e^most, so that neither quotient is 0/0.
+        let most = le.max(lf);
+        let (a, b) = ((le - most).exp(), (lf - most).exp());
+        let both = a * b * most.exp();
+        let n = a + b - both;
+        let (empty, full) = (b * -le.exp_m1() / n, a * -lf.exp_m1() / n);
+        layers.copy_from_slice(&[empty, full, both / n, -(most + n.ln())].map(|v| v as f32));
+        if (full - empty).abs() <= TIE {
+            Class::Unknown
+        } else if full > empty {
+            Class::Occupied
+        } else {
+            Class::Empty
+        }
+    }
+
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
+        walk(self, pass, job, state);
+    }
+}

@@ -1,0 +1,109 @@
+//! Histogrammic in-motion mapping (Borenstein & Koren 1991; Murphy 2000, expression 11.11); twin of
+//! `shaders/method/himm.wgsl`.
+//!
+//! Only the cells on the acoustic axis: +3 at the hit, −1 before it, kept within 0..15. The growth-rate operator (GRO)
+//! reads neighbours, so it can't be a gather: it runs on the CPU, in log order. Counts are in 1/65536, so that GRO's
+//! halves stay exact integers on every machine.
+
+use super::settings::{Himm, Settings};
+use super::{Entry, LayerSpec, Method, Pass, Step};
+use crate::cone::Row;
+use crate::grid::{Class, Scale};
+use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::layout::{COUNT, Cone, Frame, TILE};
+use crate::snap::Footprint;
+
+/// The registry's line.
+pub const ENTRY: Entry = Entry {
+    name: "himm",
+    source: "Borenstein & Koren 1991; Murphy 2000",
+    about: "a count from 0 to 15 on the acoustic axis: +3 at the hit, -1 before it",
+    wgsl: include_str!("../../shaders/method/himm.wgsl"),
+    make: |settings| match settings {
+        Settings::Himm(h) => Some(Box::new(h)),
+        _ => None,
+    },
+};
+
+/// A count of one.
+pub const ONE: u32 = 65536;
+/// What a hit adds.
+pub const HIT: u32 = 3 * ONE;
+/// The largest count.
+pub const MOST: u32 = 15 * ONE;
+
+/// The layers.
+const LAYERS: &[LayerSpec] = &[LayerSpec {
+    name: "count",
+    about: "0 to 15; 3 and more is occupied",
+    fill: 0.0,
+    scale: Scale::Grey { low: 0.0, high: 15.0 },
+    integer: false,
+}];
+
+impl Kernel for Himm {
+    type Cells = [u32; TILE];
+
+    const AXIS: bool = true;
+
+    #[inline(always)]
+    fn load(planes: &[[u32; TILE]], row: usize) -> [u32; TILE] {
+        planes[row]
+    }
+
+    #[inline(always)]
+    fn store(cells: &[u32; TILE], planes: &mut [[u32; TILE]], row: usize) {
+        planes[row] = *cells;
+    }
+
+    #[inline(always)]
+    fn fuse(&self, _: &Frame, _: &Cone, row: &Row, _: &[u32; 4], cells: &mut [u32; TILE]) {
+        for k in 0..TILE {
+            let less = cells[k].max(ONE) - ONE;
+            let more = (cells[k] + HIT).min(MOST);
+            cells[k] = if row.interior[k] { less } else { cells[k] };
+            cells[k] = if row.arc[k] { more } else { cells[k] };
+        }
+    }
+}
+
+impl Method for Himm {
+    fn settings(&self) -> Settings {
+        Settings::Himm(*self)
+    }
+
+    fn start(&self) -> &'static [u32] {
+        &[0]
+    }
+
+    fn footprint(&self) -> Footprint {
+        Footprint::Axis
+    }
+
+    fn sweeps(&self) -> &'static [&'static [Step]] {
+        &[&[Step::Pass(Pass::Fuse, COUNT)]]
+    }
+
+    fn layers(&self) -> &'static [LayerSpec] {
+        LAYERS
+    }
+
+    fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
+        layers[0] = words[2] as f32 / ONE as f32;
+        if words[0] + words[1] == 0 {
+            Class::Unknown
+        } else if words[2] >= HIT {
+            Class::Occupied
+        } else {
+            Class::Empty
+        }
+    }
+
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
+        walk(self, pass, job, state);
+    }
+
+    fn cpu_only(&self) -> Option<&'static str> {
+        self.gro.then_some("himm's growth-rate operator reads neighbouring cells in log order, which no gather can")
+    }
+}

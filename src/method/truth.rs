@@ -1,0 +1,85 @@
+//! The laser truth: hits and passes of the nearest beam of each scan; twin of `shaders/method/truth.wgsl`.
+//!
+//! A beam's wedge runs to the bisectors with its neighbours, so a cell takes one beam of a scan. A hit is |d − z| ≤ ¾ cell,
+//! a pass d < z − ¾ cell: the two counts that every method keeps, so a cell has no other state.
+
+use super::settings::Settings;
+use super::{Entry, LayerSpec, Method, Pass, Step};
+use crate::cone::Row;
+use crate::grid::{Class, Scale};
+use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::layout::{COUNT, Cone, Frame, TILE};
+use crate::snap::Footprint;
+
+/// The registry's line.
+pub const ENTRY: Entry = Entry {
+    name: "truth",
+    source: "echogrid",
+    about: "laser logs: hits and passes of each scan's nearest beam, a true map to score sonar maps against",
+    wgsl: include_str!("../../shaders/method/truth.wgsl"),
+    make: |settings| match settings {
+        Settings::Truth => Some(Box::new(Truth)),
+        _ => None,
+    },
+};
+
+/// The method; it has no parameters.
+#[derive(Debug, Clone, Copy)]
+pub struct Truth;
+
+const fn layer(name: &'static str, about: &'static str) -> LayerSpec {
+    LayerSpec { name, about, fill: 0.0, scale: Scale::Grey { low: 0.0, high: 20.0 }, integer: true }
+}
+
+/// The layers.
+const LAYERS: &[LayerSpec] =
+    &[layer("hits", "scans whose nearest beam ends in the cell"), layer("passes", "scans whose nearest beam passes")];
+
+impl Kernel for Truth {
+    type Cells = ();
+
+    fn load(_: &[[u32; TILE]], _: usize) {}
+
+    fn store(_: &(), _: &mut [[u32; TILE]], _: usize) {}
+
+    #[inline(always)]
+    fn fuse(&self, _: &Frame, _: &Cone, _: &Row, _: &[u32; 4], _: &mut ()) {}
+}
+
+impl Method for Truth {
+    fn settings(&self) -> Settings {
+        Settings::Truth
+    }
+
+    fn start(&self) -> &'static [u32] {
+        &[]
+    }
+
+    fn footprint(&self) -> Footprint {
+        Footprint::Wedge
+    }
+
+    fn sweeps(&self) -> &'static [&'static [Step]] {
+        &[&[Step::Pass(Pass::Fuse, COUNT)]]
+    }
+
+    fn layers(&self) -> &'static [LayerSpec] {
+        LAYERS
+    }
+
+    fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
+        let (passes, hits) = (words[0], words[1]);
+        layers.copy_from_slice(&[hits as f32, passes as f32]);
+        if hits + passes < 2 {
+            Class::Unknown
+        } else if hits >= 2 && 10 * u64::from(hits) >= 3 * (u64::from(hits) + u64::from(passes)) {
+            Class::Occupied
+        } else {
+            Class::Empty
+        }
+    }
+
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
+        walk(self, pass, job, state);
+    }
+}

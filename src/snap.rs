@@ -1,0 +1,114 @@
+//! From a reading to its snapped cone: poses, radii and directions in integers, rotated on the host in f64.
+//!
+//! One unit is 1/32 of a cell, a direction is the unit vector times 8192, all rounded half up: from here on membership is
+//! exact.
+
+use crate::cone::{Wide, on_axis_wide};
+use crate::grid::GridSpec;
+use crate::layout::{CELL, Cone, DIRECTION, HALF_OPEN, LASER, NO_ECHO, WIDE};
+use crate::reading::{Outcome, Reading};
+use crate::sensor::{Kind, Sensor};
+
+/// Which cells a reading concerns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Footprint {
+    /// The cone (for a laser at least a cell wide): interior and arc.
+    Cone,
+    /// The cone between given edges, half open, its arc 1½ cells deep: a cell belongs to one beam of a scan.
+    Wedge,
+    /// The cells on the axis up to the hit.
+    Axis,
+}
+
+/// A reading's numbers after snapping, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Snapped {
+    /// R.
+    pub range: f64,
+    /// ε.
+    pub epsilon: f64,
+}
+
+/// The left and right edges of a wedge, radians in the world frame.
+pub type Edges = (f64, f64);
+
+/// Reach beyond which 64 bits decide, units: 1024 cells.
+const NARROW: i64 = 1024 * CELL as i64;
+/// A reach beyond this many units is refused by [`snap`].
+const FARTHEST: i64 = 1 << 28;
+/// What a footprint may exceed its reach and its edges by, units.
+pub(crate) const SLACK: i64 = 2 * CELL as i64;
+
+fn round(v: f64) -> i64 {
+    (v + 0.5).floor() as i64
+}
+
+fn direction(angle: f64) -> [i32; 2] {
+    [angle.cos(), angle.sin()].map(|v| round(f64::from(DIRECTION) * v) as i32)
+}
+
+/// Snaps a reading to the grid. `None`: its reach does not meet the grid.
+pub fn snap(
+    grid: &GridSpec,
+    sensor: &Sensor,
+    reading: &Reading,
+    footprint: Footprint,
+    edges: Option<Edges>,
+) -> Option<(Cone, Snapped)> {
+    let units = |v: f64| 32.0 * v / grid.resolution;
+    let epsilon = match footprint {
+        Footprint::Wedge => 0.75 * grid.resolution,
+        _ => sensor.epsilon(grid.resolution),
+    };
+    let no_echo = reading.outcome == Outcome::NoEcho;
+    let (range, depth) = match (footprint, no_echo) {
+        (Footprint::Axis, true) => (round(units(reading.range - epsilon)), round(units(epsilon))),
+        _ => (round(units(reading.range)), round(units(epsilon))),
+    };
+    let reach = match footprint {
+        Footprint::Axis => [range, range.max(0) + SLACK],
+        _ => [(range - depth).max(0), range + depth],
+    };
+    let pose = reading.record.pose;
+    let x = round(units(pose.x - grid.anchor.0)) - i64::from(CELL) * grid.i0;
+    let y = round(units(pose.y - grid.anchor.1)) - i64::from(CELL) * grid.j0;
+    let meets =
+        |at: i64, cells: usize| at + reach[1] + SLACK >= 0 && at - reach[1] - SLACK <= i64::from(CELL) * cells as i64;
+    if reach[1] > FARTHEST || !meets(x, grid.width) || !meets(y, grid.height) {
+        return None;
+    }
+    let beta = sensor.half_width;
+    let (left, right) = edges.unwrap_or((pose.heading + beta, pose.heading - beta));
+    let laser = sensor.kind == Kind::Laser;
+    let flag = |on: bool, bit: u32| if on { bit } else { 0 };
+    let axis = direction(pose.heading);
+    let turn = if laser || beta == 0.0 { 0.0 } else { 1.0 / beta };
+    let cone = Cone {
+        sensor: [x as i32, y as i32],
+        reach: reach.map(|r| r as i32),
+        axis,
+        left: direction(left),
+        right: direction(right),
+        flags: flag(no_echo, NO_ECHO)
+            | flag(laser && footprint == Footprint::Cone, LASER)
+            | flag(footprint == Footprint::Wedge, HALF_OPEN)
+            | flag(range + depth > NARROW, WIDE),
+        index: 0,
+        shape: [f64::from(axis[0]).hypot(f64::from(axis[1])) as f32, turn as f32, 0.0, 0.0],
+        profile: [0.0; 4],
+    };
+    let metres = |u: i64| u as f64 * grid.resolution / 32.0;
+    Some((cone, Snapped { range: metres(range), epsilon: metres(depth) }))
+}
+
+/// The region of one cell of the grid: (interior, arc), on the host; a missing echo's arc counts as one.
+pub fn region(cone: &Cone, footprint: Footprint, column: i64, row: i64) -> (bool, bool) {
+    let v = [
+        (i64::from(CELL) * column + 16 - i64::from(cone.sensor[0])) as i32,
+        (i64::from(CELL) * row + 16 - i64::from(cone.sensor[1])) as i32,
+    ];
+    match footprint {
+        Footprint::Axis => on_axis_wide(cone, v),
+        _ => Wide::of(cone, v).regions(),
+    }
+}
