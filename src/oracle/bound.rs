@@ -16,10 +16,6 @@ const DISTANCE: f64 = 12.0 * U;
 /// division 5 u, P by Horner 8 u and its argument's effect 3 u, the product 1 u; and 2e-8 for the polynomial itself.
 const THETA: f64 = 32.0 * U + 2e-8;
 
-/// Error of a step of the literal f64 recursion x + y − xy (products and sums below 2, three roundings) and of the
-/// profile in it (a few units of 2⁻⁵³).
-pub(super) const STEP_F64: f64 = 8.0 / (1u64 << 54) as f64;
-
 /// Below this a kernel cuts 1 − Emp to 0, as f64 does.
 pub(super) const CUT: f64 = 1.0 / (1u64 << 54) as f64;
 

@@ -1,9 +1,10 @@
 //! Certainty grid (Moravec & Elfes 1985): evidence of empty and of occupied, each enhanced by probabilistic addition.
 //!
 //! The kernels keep Q = 1 − Emp and S = 1 − Occ as products, free of cancellation; the reference keeps the literal
-//! recursion, whose saturation at exactly 1 is part of its result. The bounds cover both.
+//! recursion, whose saturation at exactly 1 is part of its result. Intervals follow what a kernel may hold; a bound is the
+//! farthest end of its interval from the reference.
 
-use super::bound::{Approx, CUT, STEP_F64, U, depth, offset, turn};
+use super::bound::{Approx, CUT, U, depth, offset, turn};
 use super::cone::{Cell, Cone};
 use super::{Finished, OracleLayer, Region, Tally};
 use crate::grid::GridSpec;
@@ -27,17 +28,38 @@ fn angular(theta: f64, beta: f64) -> f64 {
     (1.0 - t * t).max(0.0)
 }
 
-/// Probabilistic addition: x ← x + y − xy.
+/// Probabilistic addition: x ← x + (y − xy), so bracketed: where it saturates, the bracket is part of the result.
 pub(super) fn enhance(x: f64, y: f64) -> f64 {
-    x + y - x * y
+    x + (y - x * y)
 }
 
-/// The state of a map: Emp and Occ, and the bounds of a kernel's Q and S.
+/// What a kernel's value lies between.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Range {
+    /// The range of a product that is rounded `roundings` times; what f32 can't hold may be 0.
+    fn times(self, other: Range, roundings: f64) -> Range {
+        let low = self.low * other.low * (1.0 - roundings * U);
+        let high = self.high * other.high * (1.0 + roundings * U);
+        Range { low: if low < f64::from(f32::MIN_POSITIVE) { 0.0 } else { low }, high }
+    }
+
+    /// The farthest that 1 − x lies from `reference`, x in the range.
+    fn off_complement(self, reference: f64) -> f64 {
+        (1.0 - self.low - reference).abs().max((1.0 - self.high - reference).abs())
+    }
+}
+
+/// The state of a map: Emp and Occ by the literal recursion, and what a kernel's Q and S lie between.
 pub(super) struct State {
     pub emp: Vec<f64>,
     pub occ: Vec<f64>,
-    emp_bound: Vec<f64>,
-    occ_bound: Vec<f64>,
+    q: Vec<Range>,
+    s: Vec<Range>,
 }
 
 /// Evidence of one arc cell on its way: its own, after cancelling, after normalising.
@@ -45,28 +67,29 @@ pub(super) struct State {
 pub(super) struct Arc {
     pub index: usize,
     pub own: f64,
-    pub cancelled: Approx,
-    pub normalised: Approx,
+    pub cancelled: f64,
+    pub normalised: f64,
+    /// A kernel's cancelled evidence, then its normalised one.
+    kernel: Range,
 }
 
 impl State {
     /// Nothing known.
     pub fn new(cells: usize) -> Self {
-        let zero = || vec![0.0; cells];
-        State { emp: zero(), occ: zero(), emp_bound: zero(), occ_bound: zero() }
+        let one = || vec![Range { low: 1.0, high: 1.0 }; cells];
+        State { emp: vec![0.0; cells], occ: vec![0.0; cells], q: one(), s: one() }
     }
 
-    /// Step (a): frees the interior of one reading.
+    /// Step (a): frees the interior of one reading. A kernel's Q ← Q·(1 − Emp_k), cut to 0 below 2⁻⁵⁴.
     pub fn free(&mut self, cone: &Cone, cells: &[Cell]) {
         for cell in cells.iter().filter(|c| c.region == Region::Interior) {
             let (d, theta) = cone.polar(cell.v);
             let evidence = emp_k(d, theta, cone.span, cone.r_min, cone.beta);
-            let (q, factor) = (1.0 - self.emp[cell.index], 1.0 - evidence);
             let error = factor_bound(depth(cone, d), turn(theta, cone.beta));
-            // |Q̂F̂(1 + 2u) − QF|, the cut, and the reference's own noise
-            let bound = &mut self.emp_bound[cell.index];
-            let moved = *bound * (factor + error) + q.abs() * error;
-            *bound = (moved + 2.0 * U * (q.abs() + *bound) * (factor + error) + CUT + STEP_F64).min(1.0);
+            let factor = around(1.0 - evidence, error + 1e-15, 1.0 + 4.0 * U);
+            let q = self.q[cell.index].times(factor, 1.0);
+            let cut = |v: f64| if v < CUT { 0.0 } else { v };
+            self.q[cell.index] = Range { low: cut(q.low), high: cut(q.high) };
             self.emp[cell.index] = enhance(self.emp[cell.index], evidence);
         }
     }
@@ -78,41 +101,41 @@ impl State {
             let (d, theta) = cone.polar(cell.v);
             let own = occ_k(d, theta, cone.range, cone.epsilon, cone.beta);
             let error = profile_bound(offset(cone, d), turn(theta, cone.beta));
-            let (q, q_error) = (1.0 - self.emp[cell.index], self.emp_bound[cell.index]);
-            let value = own * q;
-            let bound = own * q_error + (q.abs() + q_error) * error + 2.0 * U * value.abs();
-            let cancelled = Approx { value, bound };
-            arc.push(Arc { index: cell.index, own, cancelled, normalised: Approx { value: 0.0, bound: 0.0 } });
+            let kernel = self.q[cell.index].times(around(own, error, 1.0 + 4.0 * U), 1.0);
+            let cancelled = own * (1.0 - self.emp[cell.index]);
+            arc.push(Arc { index: cell.index, own, cancelled, normalised: 0.0, kernel });
         }
-        let sum: f64 = arc.iter().map(|a| a.cancelled.value).sum();
-        // n terms, none negative, added in any order: (n − 1) u of their sum
-        let order = arc.len() as f64 * U * arc.iter().map(|a| a.cancelled.value.abs() + a.cancelled.bound).sum::<f64>();
-        let sum_bound = arc.iter().map(|a| a.cancelled.bound).sum::<f64>() + order;
+        let sum: f64 = arc.iter().map(|a| a.cancelled).sum();
+        let low: f64 = arc.iter().map(|a| a.kernel.low).sum();
+        let high: f64 = arc.iter().map(|a| a.kernel.high).sum();
+        // n terms, none negative, added in any order: n − 1 roundings; the division 5
+        let slack = (arc.iter().filter(|a| a.kernel.high > 0.0).count() as f64 + 5.0) * U;
         for a in arc.iter_mut() {
-            let value = if sum > 0.0 { a.cancelled.value / sum } else { 0.0 };
-            let bound = if sum > sum_bound {
-                (a.cancelled.bound + value.abs() * sum_bound) / (sum - sum_bound) * (1.0 + 6.0 * U)
-                    + 6.0 * U * value.abs()
-            } else {
-                1.0
+            a.normalised = if sum > 0.0 { a.cancelled / sum } else { 0.0 };
+            // v/(v + the others) grows with v
+            let (others_high, others_low) = ((high - a.kernel.high).max(0.0), (low - a.kernel.low).max(0.0));
+            let share = |v: f64, others: f64| if v > 0.0 { v / (v + others) } else { 0.0 };
+            a.kernel = Range {
+                low: share(a.kernel.low, others_high) * (1.0 - slack),
+                high: (share(a.kernel.high, others_low) * (1.0 + slack)).min(1.0),
             };
-            a.normalised = Approx { value, bound: bound.min(1.0) };
         }
         sum
     }
 
-    /// Step (b), its end: enhances Occ by the normalised evidence.
+    /// Step (b), its end: enhances Occ by the normalised evidence. A kernel's S ← S·(1 − w).
     pub fn occupy(&mut self, arc: &[Arc]) {
         for a in arc {
-            let s = (1.0 - self.occ[a.index]).abs();
-            let Approx { value: w, bound: w_error } = a.normalised;
-            let bound = &mut self.occ_bound[a.index];
-            // |Ŝ(1 − ŵ)(1 + 2u) − S(1 − w)|, 1 − ŵ rounded
-            let moved = *bound * (1.0 - w + w_error) + s * w_error;
-            *bound = (moved + 4.0 * U * (s + *bound) + STEP_F64).min(1.0);
-            self.occ[a.index] = enhance(self.occ[a.index], w);
+            let rest = Range { low: 1.0 - a.kernel.high, high: 1.0 - a.kernel.low };
+            self.s[a.index] = self.s[a.index].times(rest, 2.0);
+            self.occ[a.index] = enhance(self.occ[a.index], a.normalised);
         }
     }
+}
+
+/// A value that is known to `error`, not below 0, not above `most`.
+fn around(value: f64, error: f64, most: f64) -> Range {
+    Range { low: (value - error).max(0.0), high: (value + error).min(most) }
 }
 
 /// Bound of a kernel's 1 − Emp_k = p² + t² − p²t².
@@ -154,22 +177,28 @@ pub(super) fn run(grid: &GridSpec, cones: &[Cone], settings: &Certainty, tally: 
 
 /// Layers emp, occ, map and the classes.
 pub(super) fn map(grid: &GridSpec, cones: &[Cone], settings: &Certainty, tally: &mut Tally) -> Finished {
-    let State { emp, occ, emp_bound, occ_bound } = run(grid, cones, settings, tally);
+    let State { emp, occ, q, s } = run(grid, cones, settings, tally);
     let count = grid.cells();
-    let (mut values, mut bound) = (vec![0.0; count], vec![0.0; count]);
+    let zero = || vec![0.0; count];
+    let (mut values, mut bound, mut emp_bound, mut occ_bound) = (zero(), zero(), zero(), zero());
     let (mut class, mut ambiguous) = (vec![0; count], vec![false; count]);
-    // 1 − Q and 1 − S as layers of f32: rounded, and stored
-    let stored = |b: Vec<f64>| -> Vec<f64> {
-        b.into_iter().enumerate().map(|(k, b)| if tally.is_touched(k) { b + 2.0 * U } else { 0.0 }).collect()
-    };
-    let (emp_bound, occ_bound) = (stored(emp_bound), stored(occ_bound));
     for k in (0..count).filter(|&k| tally.is_touched(k)) {
+        // 1 − Q and 1 − S as layers of f32: rounded, and stored
+        emp_bound[k] = q[k].off_complement(emp[k]) + 2.0 * U;
+        occ_bound[k] = s[k].off_complement(occ[k]) + 2.0 * U;
         class[k] = if occ[k] >= emp[k] && occ[k] > 0.0 { 1 } else { -i8::from(emp[k] > occ[k]) };
         values[k] = if occ[k] >= emp[k] { occ[k] } else { -emp[k] };
-        let either = emp_bound[k] + occ_bound[k];
-        ambiguous[k] = (occ[k] - emp[k]).abs() <= either;
+        // a kernel decides on S ≤ Q and S < 1, not on the rounded layers
+        let may_occupy = s[k].low <= q[k].high && s[k].low < 1.0;
+        let may_free = q[k].low < s[k].high;
+        let may_neither = s[k].high >= 1.0 && q[k].high >= 1.0;
+        ambiguous[k] = match class[k] {
+            1 => may_free || may_neither,
+            0 => may_free || may_occupy,
+            _ => may_occupy || may_neither,
+        };
         bound[k] = match class[k] {
-            _ if ambiguous[k] => occ[k] + emp[k] + either,
+            _ if ambiguous[k] => occ[k] + emp[k] + emp_bound[k].max(occ_bound[k]),
             1 => occ_bound[k],
             _ => emp_bound[k],
         };

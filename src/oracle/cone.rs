@@ -192,7 +192,8 @@ impl Cone {
         if beyond < -16 * length {
             Some(Region::Interior)
         } else if beyond < 16 * length {
-            Some(Region::Arc)
+            // a missing echo has no hit: its last cell is free
+            Some(if self.hit { Region::Arc } else { Region::Interior })
         } else {
             None
         }

@@ -61,7 +61,7 @@ pub fn working(
         let mut arc = Vec::new();
         sum = state.weigh(cone, &cells, &mut arc);
         for (cell, a) in explained.iter_mut().filter(|c| c.update.region == Region::Arc).zip(&arc) {
-            (cell.own, cell.cancelled, cell.normalised) = (a.own, a.cancelled.value, a.normalised.value);
+            (cell.own, cell.cancelled, cell.normalised) = (a.own, a.cancelled, a.normalised);
         }
     }
     Ok(Working { cells: explained, arc_cells, sum })
