@@ -1,7 +1,7 @@
 //! What a kernel in 32-bit floats is allowed: the constants of the running error analysis.
 //!
 //! u = 2⁻²⁴ is the unit roundoff. WGSL lets + − × round once or be fused, ÷ be off by 2.5 ULP (5 u), sqrt be
-//! 1/inverseSqrt (2 + 2.5 ULP, 9 u). Bounds are first order with the second-order terms kept where they could matter.
+//! 1/inverseSqrt (2 + 2.5 ULP, 9 u). Constants count first-order terms and are rounded up.
 
 use super::cone::Cone;
 

@@ -43,8 +43,9 @@ pub(super) struct Range {
 impl Range {
     /// The range of a product that is rounded `roundings` times; what f32 can't hold may be 0.
     fn times(self, other: Range, roundings: f64) -> Range {
-        let low = self.low * other.low * (1.0 - roundings * U);
-        let high = self.high * other.high * (1.0 + roundings * U);
+        // the thousandth covers second order and the f64 of this product
+        let slack = (roundings + 1e-3) * U;
+        let (low, high) = (self.low * other.low * (1.0 - slack), self.high * other.high * (1.0 + slack));
         Range { low: if low < f64::from(f32::MIN_POSITIVE) { 0.0 } else { low }, high }
     }
 

@@ -1,7 +1,7 @@
 //! The f64 reference: one reading at a time, straight from the equations, sharing no code with the kernels.
 //!
 //! Besides each value it carries a rigorous bound on what a kernel in 32-bit floats may differ by, found by running
-//! error analysis ([`bound`] holds what a kernel is allowed), and says which cells stand on a decision boundary.
+//! error analysis (`bound` holds what a kernel is allowed), and says which cells stand on a decision boundary.
 
 mod bayes;
 mod bound;
@@ -12,6 +12,8 @@ mod himm;
 mod truth;
 mod working;
 
+#[cfg(test)]
+mod in_f32;
 #[cfg(test)]
 mod laws;
 #[cfg(test)]

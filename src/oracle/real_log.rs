@@ -44,6 +44,19 @@ fn grid(sensor: &Sensor, readings: &[Reading], resolution: f64) -> GridSpec {
     GridSpec::around(b, resolution).unwrap()
 }
 
+/// A scene for the bounds: the hits of the log, or without it a made-up drive; both with hits only.
+pub(super) fn test1_or_random() -> (GridSpec, Sensor, Vec<Reading>) {
+    let (sensor, mut readings) = test1().unwrap_or_else(|| {
+        let drive = |k: u32| {
+            let (t, z) = (f64::from(k), f64::from((k * 7919) % 331) / 100.0 + 0.4);
+            reading(0.004 * t, (0.003 * t).sin(), 0.61 * t, z, Outcome::Hit)
+        };
+        (Sensor { r_min: 0.17, r_max: 5.0, hit_range: 5.0, ..sonar(15.0) }, (0..1500).map(drive).collect())
+    });
+    readings.retain(|r| r.outcome == Outcome::Hit);
+    (grid(&sensor, &readings, 0.1), sensor, readings)
+}
+
 fn run(resolution: f64, settings: &Settings) -> Option<OracleMap> {
     let (sensor, readings) = test1()?;
     assert_eq!(readings.len(), 3304);
@@ -104,6 +117,21 @@ fn bayes_on_a_real_log() {
     assert_eq!(classes(&map), (405, 13941));
     near_sum(&map, "log_odds", -288424.92);
     run(0.1, &Settings::of("bayes").unwrap()).unwrap();
+}
+
+/// Not a test of values: how long the reference takes on a scene of 50 million updates.
+#[test]
+#[ignore = "a benchmark"]
+fn large_scene() {
+    let grid = GridSpec::from_bounds([0.0, 0.0, 102.4, 102.4], 0.1).unwrap();
+    let at = |k: u32, step: u32| f64::from(k.wrapping_mul(step) % 10007) / 10007.0;
+    let drive = |k: u32| reading(102.4 * at(k, 7919), 102.4 * at(k, 104_729), 6.3 * at(k, 1299), 9.9, Outcome::Hit);
+    let readings: Vec<Reading> = (0..20_000).map(drive).collect();
+    for method in ["certainty", "dempster-shafer", "bayes", "himm"] {
+        let started = std::time::Instant::now();
+        let map = map(&grid, &[sonar(15.0)], &readings, &Settings::of(method).unwrap(), None).unwrap();
+        eprintln!("{method}: {} updates in {:.2} s", map.updates, started.elapsed().as_secs_f64());
+    }
 }
 
 #[test]
