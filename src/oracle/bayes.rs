@@ -1,0 +1,105 @@
+//! Bayes (Elfes; Murphy 2000, expressions 11.1 to 11.6): log odds of occupied, 0 at the start.
+
+use super::bound::{Approx, U, far, turn};
+use super::cone::Cone;
+use super::{Finished, OracleLayer, Region, Tally};
+use crate::grid::GridSpec;
+use crate::method::settings::{Bayes, Likelihood};
+
+/// No P(s|·) is below this or above 1 − this: from 0 and 1 no evidence returns.
+const CLAMP: f64 = 0.02;
+/// Relative error of a kernel's logarithm, in u.
+const LOG_U: f64 = 8.0;
+
+/// Murphy's expressions 11.1 and 11.2: ½[(R − d)/R + (β − |θ|)/β]·`most`, d within 0..R, β − |θ| ≥ 0; R is the sensor's
+/// largest range.
+pub(super) fn expression(cone: &Cone, (d, theta): (f64, f64), most: f64) -> Approx {
+    let (far, turn) = (far(cone, d), turn(theta, cone.beta));
+    Approx {
+        value: 0.5 * ((1.0 - far.value) + (1.0 - turn.value)) * most,
+        bound: 0.5 * (far.bound + turn.bound) * most + 6.0 * U,
+    }
+}
+
+/// P(s|occupied) of a cell, with a kernel's bound.
+pub(super) fn likelihood(settings: &Bayes, cone: &Cone, region: Region, polar: (f64, f64)) -> Approx {
+    if settings.model == Likelihood::Constant {
+        let value = if region == Region::Arc { settings.p_hit } else { settings.p_miss };
+        return Approx { value: value.clamp(CLAMP, 1.0 - CLAMP), bound: 0.0 };
+    }
+    let (most, floor) = match region {
+        Region::Arc => (settings.max_occ, settings.region_one_floor),
+        Region::Interior => (1.0, settings.region_two_floor),
+    };
+    let raw = expression(cone, polar, most);
+    let kept = |p: f64| p.max(floor).clamp(CLAMP, 1.0 - CLAMP);
+    let p = kept(raw.value);
+    let (low, high) = (kept(raw.value - raw.bound), kept(raw.value + raw.bound));
+    // a floor or clamp reaches the kernel as the nearest f32
+    let rounded = if low < high || f64::from(p as f32) != p { U * p } else { 0.0 };
+    let bound = (high - p).max(p - low) + rounded;
+    Approx { value: if region == Region::Arc { p } else { 1.0 - p }, bound }
+}
+
+/// ln(p/(1 − p)) and its bound.
+fn logit(settings: &Bayes, p: Approx) -> Approx {
+    let value = p.value.ln() - (1.0 - p.value).ln();
+    if settings.model == Likelihood::Constant {
+        // a logarithm taken on the host, as f32
+        return Approx { value, bound: U * value.abs() };
+    }
+    if p.value == 0.5 && p.bound == 0.0 {
+        return Approx { value: 0.0, bound: 0.0 };
+    }
+    let steepest = |x: f64| 1.0 / (x * (1.0 - x));
+    let slope = steepest(p.value - p.bound).max(steepest(p.value + p.bound));
+    let logs = p.value.ln().abs() + (1.0 - p.value).ln().abs();
+    Approx { value, bound: (p.bound + U) * slope + LOG_U * U * logs }
+}
+
+/// Log odds after one more reading, from the probability before: P(H|s_n), the recursion 11.6.
+#[cfg(test)]
+pub(super) fn recursion(before: f64, given_occupied: f64) -> f64 {
+    let occupied = given_occupied * before;
+    occupied / (occupied + (1.0 - given_occupied) * (1.0 - before))
+}
+
+/// Layers log_odds, p_occ, p_emp and the classes.
+pub(super) fn map(grid: &GridSpec, cones: &[Cone], settings: &Bayes, tally: &mut Tally) -> Finished {
+    let count = grid.cells();
+    let (mut odds, mut error) = (vec![0.0f64; count], vec![0.0; count]);
+    let mut cells = Vec::new();
+    for cone in cones {
+        let n = cone.cells(grid, &mut cells);
+        tally.add(cone, &cells, n);
+        for cell in &cells {
+            let add = logit(settings, likelihood(settings, cone, cell.region, cone.polar(cell.v)));
+            if add.value == 0.0 && add.bound == 0.0 {
+                continue;
+            }
+            let sum = odds[cell.index] + add.value;
+            let bound = error[cell.index] + add.bound;
+            // one rounding of a kernel's sum
+            error[cell.index] = bound + U * (sum.abs() + bound) + 1e-15 * (1.0 + sum.abs());
+            odds[cell.index] = sum;
+        }
+    }
+    let p_occ: Vec<f64> = odds.iter().map(|l| 1.0 / (1.0 + (-l).exp())).collect();
+    let p_emp = odds.iter().map(|l| 1.0 / (1.0 + l.exp())).collect();
+    let p_bound: Vec<f64> = error.iter().map(|e| 0.25 * e + 2.0 * U).collect();
+    let (mut class, mut ambiguous) = (vec![0; count], vec![false; count]);
+    for k in (0..count).filter(|&k| tally.is_touched(k)) {
+        let p = p_occ[k];
+        class[k] = i8::from(p > settings.p_occupied) - i8::from(p < settings.p_empty);
+        let near = |threshold: f64| (p - threshold).abs() <= p_bound[k];
+        ambiguous[k] = near(settings.p_occupied) || near(settings.p_empty);
+    }
+    let odds_bound = error.iter().zip(&odds).map(|(e, l)| e + U * l.abs()).collect();
+    let layer = |name, values, bound| OracleLayer { name, values, bound };
+    let layers = vec![
+        layer("log_odds", odds, odds_bound),
+        layer("p_occ", p_occ, p_bound.clone()),
+        layer("p_emp", p_emp, p_bound),
+    ];
+    Finished { layers, class, ambiguous }
+}
