@@ -35,7 +35,7 @@ fn header(grid: &GridSpec, data: &Data) -> Vec<u8> {
     let mut dict =
         format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({}, {}), }}", grid.height, grid.width);
     const BEFORE: usize = 10;
-    while (BEFORE + dict.len() + 1) % 64 != 0 {
+    while !(BEFORE + dict.len() + 1).is_multiple_of(64) {
         dict.push(' ');
     }
     dict.push('\n');
