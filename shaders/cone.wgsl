@@ -86,8 +86,12 @@ fn axis_row(cone: Cone, v: vec2<i32>) -> Row {
     let past = DIRECTION * a * sgn - vec4<i32>(cone.reach.x * abs(c));
     let half = vec4<i32>(CELL / 2 * DIRECTION);
     var row: Row;
-    row.interior = on & (past < -half);
-    row.arc = on & (past >= -half) & (past < half);
+    let before = on & (past < -half);
+    let hit = on & (past >= -half) & (past < half);
+    // Without an echo the last cell is empty too.
+    let silent = vec4<bool>((cone.flags & NO_ECHO) != 0u);
+    row.interior = before | (hit & silent);
+    row.arc = hit & !silent;
     return row;
 }
 

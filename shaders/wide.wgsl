@@ -101,8 +101,11 @@ fn wide_axis_row(cone: Cone, first: vec2<i32>) -> Row {
         let side = wide_sub(wide_mul(b, c * sgn), wide_mul(a, s * sgn));
         let on = a * sgn >= 0 && !wide_less(side, wide_neg(edge)) && wide_less(side, edge);
         let past = wide_sub(wide_mul(DIRECTION, a * sgn), wide_mul(cone.reach.x, abs(c)));
-        row.interior[k] = on && wide_less(past, wide_neg(half));
-        row.arc[k] = on && !wide_less(past, wide_neg(half)) && wide_less(past, half);
+        let before = on && wide_less(past, wide_neg(half));
+        let hit = on && !wide_less(past, wide_neg(half)) && wide_less(past, half);
+        let silent = (cone.flags & NO_ECHO) != 0u;
+        row.interior[k] = before || (hit && silent);
+        row.arc[k] = hit && !silent;
     }
     return row;
 }

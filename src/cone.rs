@@ -86,8 +86,10 @@ pub fn axis_row(cone: &Cone, v: [i32; 2]) -> Option<Row> {
         } else {
             on_axis_wide(cone, [v[0] + CELL * k as i32, v[1]])
         };
-        row.interior[k] = before;
-        row.arc[k] = hit;
+        // Without an echo the last cell is empty too.
+        let silent = cone.flags & NO_ECHO != 0;
+        row.interior[k] = before | (hit & silent);
+        row.arc[k] = hit & !silent;
         any |= before | hit;
     }
     any.then_some(row)

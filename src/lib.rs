@@ -2,20 +2,21 @@
 //! the same result. The modules stand in the order of the data: a *log* gives *readings*, a *batch* says which tiles they
 //! reach, a *method* runs on one of the *kernels*, the *grid* holds its layers, *output* writes them.
 
-pub mod batch;
-pub mod cone;
-pub mod error;
-pub mod grid;
-pub mod kernels;
-pub mod layout;
-pub mod log;
-pub mod mapper;
-pub mod method;
-pub mod oracle;
-pub mod output;
-pub mod profile;
-pub mod reading;
 pub mod sensor;
+pub mod log;
+pub mod reading;
 pub mod snap;
+pub mod batch;
+pub mod layout;
+pub mod cone;
+pub mod profile;
+pub mod method;
+pub mod kernels;
+pub mod oracle;
+pub mod mapper;
+pub mod grid;
+pub mod output;
+pub mod compare;
+pub mod error;
 
 pub use error::{Error, Result};

@@ -134,10 +134,8 @@ impl Method for DempsterShafer {
     }
 
     fn share(&self, count: u32, outcome: Outcome) -> [u32; 4] {
-        if count == 0 {
-            return [0; 4];
-        }
-        let one_over_n = 1.0 / f64::from(count);
+        // No arc cell: no 1/n, so that evidence is left out.
+        let one_over_n = if count == 0 { 0.0 } else { 1.0 / f64::from(count) };
         let rho = match self.rho {
             Rho::OneOverN => one_over_n,
             Rho::Constant(rho) => rho,

@@ -1,0 +1,52 @@
+//! What a failed comparison leaves to look at: both maps and their difference, one picture each.
+
+use super::shared::Shared;
+use super::{Comparison, LayerDifference, differs, distance, tolerance_of};
+use crate::grid::{Data, Layer, Map, Scale};
+use crate::output::write_picture;
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// Writes, for every layer that differs, both pictures and their difference into `folder`, made if need be, and returns
+/// the paths. In the difference red is where the second map is higher; cells that differ are never fainter than a
+/// quarter of full colour.
+pub fn write_pictures(a: &Map, b: &Map, comparison: &Comparison, folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut written = Vec::new();
+    if comparison.layers.is_empty() || comparison.equal {
+        return Ok(written);
+    }
+    let shared = Shared::of(&a.grid, &b.grid)?;
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Error::Resources(format!("{} can't be made: {e}; give another folder", folder.display())))?;
+    let (left, right) = (shared.cut(a, shared.a), shared.cut(b, shared.b));
+    for found in comparison.layers.iter().filter(|l| l.differ > 0) {
+        let (Some(from), Some(to)) = (left.layer(&found.name), right.layer(&found.name)) else { continue };
+        let between = between(from, to, found, comparison.tolerance);
+        // Without `touched`, so that a cell that only one side touched shows its colour.
+        let bare = Map { grid: left.grid, method: left.method.clone(), layers: Vec::new(), updates: 0 };
+        for (map, layer, suffix) in [(&left, from, "a"), (&right, to, "b"), (&bare, &between, "difference")] {
+            let path = folder.join(format!("{}.{suffix}.png", found.name));
+            write_picture(&path, map, layer)?;
+            written.push(path);
+        }
+    }
+    Ok(written)
+}
+
+/// The difference of two layers of the same size, as a layer to be shown.
+fn between(from: &Layer, to: &Layer, found: &LayerDifference, tolerance: f64) -> Layer {
+    let tolerance = tolerance_of(&found.name, tolerance);
+    let full = if found.largest.is_finite() && found.largest > 0.0 { found.largest } else { 1.0 };
+    let shown = |k: usize| {
+        let (a, b) = (from.data.get(k), to.data.get(k));
+        let size = (distance(a, b) / full).clamp(0.25, 1.0) as f32;
+        match differs(a, b, tolerance) {
+            false => 0.0,
+            true if b < a || b.is_nan() => -size,
+            true => size,
+        }
+    };
+    let data = Data::F32((0..from.data.len()).map(shown).collect());
+    let scale = Scale::Signed { limit: 1.0 };
+    Layer { name: "difference".into(), about: "second minus first", data, fill: 0.0, scale }
+}

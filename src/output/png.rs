@@ -1,0 +1,84 @@
+//! A layer as a picture: 8-bit indexed, +y up, on the layer's own fixed scale, so that two pictures of the same layer
+//! can be laid side by side. Cells that no reading reached are bluish grey, which is no colour of any scale.
+
+use super::unwritable;
+use crate::Result;
+use crate::grid::{Layer, Map, Scale};
+use png::{BitDepth, ColorType, Compression, Encoder, Filter};
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+/// Wider or taller pictures are reduced, so that a viewer can open them.
+const LARGEST: usize = 8192;
+/// Palette entry 0: cells that no reading reached, and values that are no number.
+const UNTOUCHED: [u8; 3] = [168, 180, 196];
+/// Palette entry of a signed scale's zero; entries 1 to 255 are the scale from low to high.
+const MIDDLE: u8 = 128;
+
+/// Writes one layer of a map as a PNG. A picture of more than 8192 pixels a side is reduced by a whole factor; a pixel
+/// then shows the cell of its block with the largest magnitude.
+pub fn write_picture(path: &Path, map: &Map, layer: &Layer) -> Result<()> {
+    let (width, height, pixels) = pixels(map, layer);
+    save(path, width, height, &palette(layer.scale), &pixels).map_err(|e| unwritable(path, e))
+}
+
+/// The picture's size and its palette entries, top row first.
+fn pixels(map: &Map, layer: &Layer) -> (usize, usize, Vec<u8>) {
+    let grid = &map.grid;
+    let factor = grid.width.max(grid.height).div_ceil(LARGEST).max(1);
+    let (width, height) = (grid.width.div_ceil(factor), grid.height.div_ceil(factor));
+    let touched = map.layer("touched").filter(|_| layer.name != "touched").map(|t| &t.data);
+    let value = |k: usize| {
+        let seen = touched.is_none_or(|t| t.get(k) != 0.0);
+        Some(layer.data.get(k)).filter(|v| seen && !v.is_nan())
+    };
+    let mut pixels = vec![0; width * height];
+    pixels.par_chunks_mut(width).enumerate().for_each(|(line, pixels)| {
+        let row = (height - 1 - line) * factor;
+        for (column, pixel) in pixels.iter_mut().enumerate().map(|(c, p)| (c * factor, p)) {
+            let rows = row..(row + factor).min(grid.height);
+            let columns = column..(column + factor).min(grid.width);
+            let block = rows.flat_map(|r| columns.clone().map(move |c| r * grid.width + c)).filter_map(value);
+            let strongest = block.reduce(|best, v| if v.abs() > best.abs() { v } else { best });
+            *pixel = strongest.map_or(0, |v| entry(layer.scale, v));
+        }
+    });
+    (width, height, pixels)
+}
+
+/// A value's palette entry, 1 to 255.
+fn entry(scale: Scale, value: f64) -> u8 {
+    match scale {
+        Scale::Grey { low, high } => 1 + ((value - low) / (high - low) * 254.0).round().clamp(0.0, 254.0) as u8,
+        Scale::Signed { limit } => (f64::from(MIDDLE) + (value / limit * 127.0).round().clamp(-127.0, 127.0)) as u8,
+    }
+}
+
+/// 256 colours: untouched, then the scale from low to high.
+fn palette(scale: Scale) -> Vec<u8> {
+    let colour = |entry: u8| match scale {
+        Scale::Grey { .. } => [255 - (entry - 1); 3],
+        Scale::Signed { .. } => {
+            let strength = 2 * (i16::from(entry) - i16::from(MIDDLE)); // -254 blue to 254 red
+            let pale = 255 - strength.unsigned_abs() as u8;
+            if strength < 0 { [pale, pale, 255] } else { [255, pale, pale] }
+        }
+    };
+    let scale = (1..=255).flat_map(colour);
+    UNTOUCHED.into_iter().chain(scale).collect()
+}
+
+fn save(path: &Path, width: usize, height: usize, palette: &[u8], pixels: &[u8]) -> std::io::Result<()> {
+    let file = BufWriter::new(File::create(path)?);
+    let mut encoder = Encoder::new(file, width as u32, height as u32);
+    encoder.set_color(ColorType::Indexed);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_palette(palette);
+    encoder.set_compression(Compression::Balanced);
+    encoder.set_filter(Filter::NoFilter); // differences of palette entries mean nothing
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels)?;
+    Ok(writer.finish()?)
+}

@@ -1,0 +1,218 @@
+//! `report.json`: what was run, on what, with which result, in one object a machine can read. The caller says what it
+//! alone knows in a [`RunInfo`]; the rest is counted from the map.
+
+use super::unwritable;
+use crate::Result;
+use crate::grid::{GridSpec, Layer, Map, Scale};
+use crate::reading::Counts;
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// What only the caller knows of a run.
+#[derive(Debug, Clone, Default)]
+pub struct RunInfo {
+    /// Every parameter with its value, defaults too ([`parameters`] makes them from texts).
+    pub parameters: serde_json::Map<String, Value>,
+    /// The log.
+    pub log: LogInfo,
+    /// What became of its readings.
+    pub readings: Counts,
+    /// Wall time of each stage so far, in order; writing adds its own.
+    pub seconds: Vec<(String, f64)>,
+    /// oracle, cpu or gpu.
+    pub backend: String,
+    /// The adapter's name, where the backend has one.
+    pub adapter: Option<String>,
+    /// Lines that couldn't be read.
+    pub bad_lines: BadLines,
+    /// Evidence added, where the method counts it: occupied, free (csm); or classes, then free.
+    pub increments: Option<Vec<u64>>,
+    /// The layer that `map.png` shows.
+    pub picture: String,
+}
+
+/// Which log a map was made of.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct LogInfo {
+    /// Its path as given; `-` is standard input.
+    pub path: String,
+    /// The SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+/// Lines of the log that couldn't be read.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct BadLines {
+    /// How many.
+    pub count: u64,
+    /// What is wrong with the first three.
+    pub first: Vec<String>,
+}
+
+/// Where a map's cells are, and how many are what.
+#[derive(Debug, Clone, Serialize)]
+pub struct Cells {
+    /// World x of the left edge, metres.
+    pub x0: f64,
+    /// World y of the bottom edge, metres.
+    pub y0: f64,
+    /// Edge of a cell, metres.
+    pub resolution: f64,
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Cells that a reading reached.
+    pub touched: u64,
+    /// Cells of class occupied.
+    pub occupied: u64,
+    /// Cells of class empty.
+    pub empty: u64,
+    /// Cells of class unknown, reached or not.
+    pub unknown: u64,
+}
+
+/// A layer's values in brief. Not-a-number and infinities are `null` in the file.
+#[derive(Debug, Clone, Serialize)]
+pub struct LayerReport {
+    /// The sum over all cells in f64, row by row from the bottom.
+    pub sum: f64,
+    /// The smallest value.
+    pub min: f64,
+    /// The largest value.
+    pub max: f64,
+    /// Its colours: `{"grey": [low, high]}` or `{"signed": limit}`.
+    pub scale: Value,
+}
+
+/// The whole of `report.json`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// The method's name.
+    pub method: String,
+    /// Every parameter with its value.
+    pub parameters: serde_json::Map<String, Value>,
+    /// The log.
+    pub log: LogInfo,
+    /// What became of its readings.
+    pub readings: Counts,
+    /// Lines that couldn't be read.
+    pub bad_lines: BadLines,
+    /// The grid and its classes.
+    pub cells: Cells,
+    /// Cell updates.
+    pub updates: u64,
+    /// Each layer in brief, in the map's order.
+    #[serde(serialize_with = "as_object")]
+    pub layers: Vec<(String, LayerReport)>,
+    /// Evidence added, where the method counts it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub increments: Option<Vec<u64>>,
+    /// Wall time of each stage, seconds.
+    #[serde(serialize_with = "as_object")]
+    pub seconds: Vec<(String, f64)>,
+    /// The process's largest resident memory so far, bytes, where the system tells.
+    pub peak_memory: Option<u64>,
+    /// oracle, cpu or gpu.
+    pub backend: String,
+    /// The adapter's name, where the backend has one.
+    pub adapter: Option<String>,
+    /// Version of echogrid.
+    pub version: String,
+}
+
+impl Report {
+    /// Counts a map and joins what the caller knows.
+    pub fn new(map: &Map, info: &RunInfo) -> Report {
+        Report {
+            method: map.method.clone(),
+            parameters: info.parameters.clone(),
+            log: info.log.clone(),
+            readings: info.readings,
+            bad_lines: info.bad_lines.clone(),
+            cells: Cells::of(map),
+            updates: map.updates,
+            layers: map.layers.iter().map(|l| (l.name.clone(), LayerReport::of(l))).collect(),
+            increments: info.increments.clone(),
+            seconds: info.seconds.clone(),
+            peak_memory: peak_memory(),
+            backend: info.backend.clone(),
+            adapter: info.adapter.clone(),
+            version: env!("CARGO_PKG_VERSION").into(),
+        }
+    }
+}
+
+impl Cells {
+    fn of(map: &Map) -> Cells {
+        let GridSpec { resolution, width, height, .. } = map.grid;
+        let count = |layer: &str, value: f64| {
+            map.layer(layer).map_or(0, |l| (0..l.data.len()).filter(|&k| l.data.get(k) == value).count() as u64)
+        };
+        Cells {
+            x0: map.grid.x0(),
+            y0: map.grid.y0(),
+            resolution,
+            width,
+            height,
+            touched: count("touched", 1.0),
+            occupied: count("class", 1.0),
+            empty: count("class", -1.0),
+            unknown: count("class", 0.0),
+        }
+    }
+}
+
+impl LayerReport {
+    fn of(layer: &Layer) -> LayerReport {
+        let start = LayerReport {
+            sum: 0.0,
+            min: f64::INFINITY,
+            max: f64::NEG_INFINITY,
+            scale: match layer.scale {
+                Scale::Grey { low, high } => json!({ "grey": [low, high] }),
+                Scale::Signed { limit } => json!({ "signed": limit }),
+            },
+        };
+        (0..layer.data.len()).map(|k| layer.data.get(k)).fold(start, |all, v| LayerReport {
+            sum: all.sum + v,
+            min: all.min.min(v),
+            max: all.max.max(v),
+            scale: all.scale,
+        })
+    }
+}
+
+/// Parameters from their texts: numbers and true/false as such, the rest as text.
+pub fn parameters<K: Into<String>>(texts: impl IntoIterator<Item = (K, String)>) -> serde_json::Map<String, Value> {
+    let value = |text: String| match serde_json::from_str::<Value>(&text) {
+        Ok(value @ (Value::Number(_) | Value::Bool(_))) => value,
+        _ => Value::String(text),
+    };
+    texts.into_iter().map(|(k, text)| (k.into(), value(text))).collect()
+}
+
+/// The process's largest resident memory so far in bytes, or `None` where the system doesn't tell.
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
+}
+
+pub(super) fn write(path: &Path, report: &Report) -> Result<()> {
+    let save = || -> std::io::Result<()> {
+        let mut text = serde_json::to_vec_pretty(report)?;
+        text.push(b'\n');
+        std::fs::write(path, text)
+    };
+    save().map_err(|e| unwritable(path, e))
+}
+
+/// Pairs as an object that keeps their order.
+fn as_object<T: Serialize, S: Serializer>(
+    pairs: &[(String, T)],
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
+    serializer.collect_map(pairs.iter().map(|(k, v)| (k, v)))
+}
