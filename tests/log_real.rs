@@ -1,8 +1,11 @@
 //! The logs of real robots, where they are at hand: `$ECHOGRID_DATA`, or `../shared/data` beside the repository.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 use echogrid::log::{Log, Options, Problem};
 use echogrid::reading::{Counts, Record, Unused, judge};
 use echogrid::sensor::{Kind, Overrides};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The path of a real log; `None`, loudly, where it is absent.
@@ -13,8 +16,9 @@ fn data(name: &str) -> Option<PathBuf> {
     if path.exists() {
         return Some(path);
     }
-    println!("SKIPPED: no {} (set ECHOGRID_DATA to the folder of real logs)", path.display());
-    eprintln!("SKIPPED: no {} (set ECHOGRID_DATA to the folder of real logs)", path.display());
+    // Straight to the stream: the harness would swallow a print of a test that passes.
+    let text = format!("SKIPPED: no {} (set ECHOGRID_DATA to the folder of real logs)\n", path.display());
+    let _ = std::io::stderr().write_all(text.as_bytes());
     None
 }
 

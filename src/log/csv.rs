@@ -114,7 +114,6 @@ fn unknown(mut lines: Lines, columns: &[usize], kind: Option<Kind>) -> Result<Ve
     if let Some(indices) = indices {
         ids = (0..=indices.into_iter().max().unwrap_or(0)).map(|i| i.to_string()).collect();
     }
-    let kind = kind.or(Some(Kind::Sonar));
     Ok(ids.into_iter().map(|id| Description { id: Some(id), kind, ..Description::default() }).collect())
 }
 

@@ -2,16 +2,18 @@
 //! of poses (`od.txt` or `poses.txt`), one row a scan in both: `t_ms r1 … rn` in mm, and `t_ms x_mm y_mm theta` with theta
 //! in 0.1°. The files carry no sensor description: presets do.
 
-use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose, number};
+use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose};
 use super::input::Input;
-use super::lines::Lines;
 use super::{BadLine, Problem};
 use crate::reading::{Pose, Record};
 use crate::sensor::{Description, Kind, preset};
 use crate::{Error, Result};
+use rows::{Meeting, Row, Rows};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
+
+mod rows;
 
 const SONAR: &[&str] = &["sonar.txt", "measurement.txt"];
 const LASER: &[&str] = &["laser.txt"];
@@ -99,88 +101,10 @@ impl Source for Folder {
             Some(beams) => beams.count as usize,
             None => sensors.len(),
         };
-        let mut readings = Rows::new(&self.readings, columns)?;
-        let mut poses = Rows::new(&self.poses, 3)?;
-        readings.advance();
-        poses.advance();
+        let readings = Rows::new(&self.readings, columns)?;
+        let poses = Rows::new(&self.poses, 3)?;
         Ok(Box::new(Pass { sensors, readings, poses, scan: 0 }))
     }
-}
-
-/// One row: its time stamp and, unless it is bad, its values.
-struct Row {
-    line: u64,
-    t: f64,
-    values: std::result::Result<Vec<f64>, String>,
-}
-
-/// The rows of one file, with the one that comes next in sight.
-struct Rows {
-    lines: Lines,
-    name: String,
-    columns: usize,
-    now: Option<Row>,
-    next: Option<Row>,
-    begun: bool,
-    fatal: Option<Error>,
-}
-
-impl Rows {
-    fn new(input: &Input, columns: usize) -> Result<Rows> {
-        let name = input.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Rows { lines: input.lines()?, name, columns, now: None, next: None, begun: false, fatal: None })
-    }
-
-    /// Steps to the next row.
-    fn advance(&mut self) {
-        if !self.begun {
-            self.begun = true;
-            self.next = self.read();
-        }
-        self.now = self.next.take();
-        self.next = self.read();
-    }
-
-    fn read(&mut self) -> Option<Row> {
-        loop {
-            let line = self.lines.next()?;
-            let bad = |line, what| Some(Row { line, t: f64::NAN, values: Err(what) });
-            match line {
-                Ok(text) if text.trim().is_empty() => {}
-                Ok(text) => {
-                    let (t, values) = parse(text, self.columns);
-                    return Some(Row { line: self.lines.number(), t, values });
-                }
-                Err(Problem::Line(line)) => return bad(line.line, line.what),
-                Err(Problem::Fatal(error)) => {
-                    self.fatal = Some(error);
-                    return None;
-                }
-            }
-        }
-    }
-}
-
-fn parse(text: &str, columns: usize) -> (f64, std::result::Result<Vec<f64>, String>) {
-    let mut values = Vec::with_capacity(columns);
-    let mut found = 0;
-    let mut wrong = None;
-    let mut t = f64::NAN;
-    for field in text.split_ascii_whitespace() {
-        found += 1;
-        match number(found, field) {
-            Ok(value) if found == 1 => t = value,
-            Ok(value) => values.push(value),
-            Err(what) => wrong = wrong.or(Some(what)),
-        }
-    }
-    let values = match wrong {
-        _ if found != columns + 1 => Err(format!("expected {} fields, found {found}", columns + 1)),
-        Some(what) => Err(what),
-        None if !t.is_finite() => Err(format!("the time stamp is {t}")),
-        None => Ok(values),
-    };
-    (t, values)
 }
 
 struct Pass {
@@ -193,67 +117,24 @@ struct Pass {
 impl Scans for Pass {
     fn fill(&mut self, items: &mut Items) -> bool {
         let (readings, poses) = (&mut self.readings, &mut self.poses);
-        for rows in [&mut *readings, &mut *poses] {
-            if rows.now.is_none()
-                && let Some(error) = rows.fatal.take()
-            {
-                items.push_back(Err(Problem::Fatal(error)));
-                return true;
-            }
+        if let Some(error) = readings.fatal().or_else(|| poses.fatal()) {
+            items.push_back(Err(Problem::Fatal(error)));
+            return true;
         }
-        let bad = |line: u64, what: String| Err(Problem::Line(BadLine { line, what }));
-        let alone = |row: &Row, name: &str, other: &str| {
-            bad(row.line, format!("{name}: {other} has no row of this time stamp ({} ms)", row.t))
-        };
-        match (&readings.now, &poses.now) {
-            (None, None) => return false,
-            (Some(row), None) => {
-                items.push_back(alone(row, &readings.name, &poses.name));
-                readings.advance();
-            }
-            (None, Some(row)) => {
-                items.push_back(alone(row, &poses.name, &readings.name));
-                poses.advance();
-            }
-            (Some(reading), Some(pose)) if reading.t != pose.t => {
-                // A missing row costs one bad line, not all that follow: look where the time stamps meet again.
-                let t = |row: &Option<Row>| row.as_ref().map_or(f64::NAN, |r| r.t);
-                let (next_reading, next_pose) = (t(&readings.next), t(&poses.next));
-                let apart = reading.t.is_nan() || pose.t.is_nan();
-                if next_reading != next_pose && (next_reading == pose.t || !apart && reading.t < pose.t) {
-                    items.push_back(alone(reading, &readings.name, &poses.name));
-                    readings.advance();
-                } else if next_reading != next_pose && (next_pose == reading.t || !apart) {
-                    items.push_back(alone(pose, &poses.name, &readings.name));
-                    poses.advance();
-                } else {
-                    let what = match (&reading.values, &pose.values) {
-                        (Err(what), _) => format!("{}: {what}", readings.name),
-                        (_, Err(what)) => format!("{}: {what}", poses.name),
-                        _ => format!(
-                            "time stamps differ: {} ms in {}, {} ms in line {} of {}",
-                            reading.t, readings.name, pose.t, pose.line, poses.name
-                        ),
-                    };
-                    items.push_back(bad(reading.line, what));
-                    readings.advance();
-                    poses.advance();
+        match rows::meet(readings, poses) {
+            Meeting::End => return false,
+            Meeting::Alone(line, what) => items.push_back(Err(Problem::Line(BadLine { line, what }))),
+            Meeting::Pair(reading, pose) => {
+                let made = match (&reading.values, &pose.values) {
+                    (Err(what), _) => Err((reading.line, format!("{}: {what}", readings.name))),
+                    (_, Err(what)) => Err((pose.line, format!("{}: {what}", poses.name))),
+                    (Ok(ranges), Ok(at)) => scan(&self.sensors, self.scan, &reading, ranges, at, items)
+                        .map_err(|what| (pose.line, format!("{}: {what}", poses.name))),
+                };
+                match made {
+                    Ok(()) => self.scan += 1,
+                    Err((line, what)) => items.push_back(Err(Problem::Line(BadLine { line, what }))),
                 }
-            }
-            (Some(reading), Some(pose)) => {
-                match (&reading.values, &pose.values) {
-                    (Err(what), _) => items.push_back(bad(reading.line, format!("{}: {what}", readings.name))),
-                    (_, Err(what)) => items.push_back(bad(pose.line, format!("{}: {what}", poses.name))),
-                    (Ok(ranges), Ok(at)) => {
-                        if let Err(what) = scan(&self.sensors, self.scan, reading, ranges, at, items) {
-                            items.push_back(bad(pose.line, format!("{}: {what}", poses.name)));
-                        } else {
-                            self.scan += 1;
-                        }
-                    }
-                }
-                readings.advance();
-                poses.advance();
             }
         }
         true
