@@ -3,6 +3,18 @@
 //! A sensor is described by a preset, a log's header, a TOML file (`--sensor-file`) or `--set key=value`; the later beats
 //! the earlier. Lengths are metres, angles radians, counter-clockwise from the robot's forward axis.
 
+mod description;
+mod file;
+mod overrides;
+mod quantity;
+
+pub use description::Description;
+pub use file::{SensorFile, preset};
+pub use overrides::{Mounts, OVERRIDE_KEYS, Overrides};
+pub use quantity::{angle, length};
+
+pub(crate) use description::{SensorKey, Value, similar};
+
 use serde::{Deserialize, Serialize};
 
 /// What kind of beam a sensor has. It decides the defaults and the membership rule (a laser leaves no holes).

@@ -1,0 +1,127 @@
+//! Lines of a text log, in constant memory however long a line is. LF and CRLF end a line, a byte-order mark before the
+//! first is dropped; a line that is too long or not text is a bad line, and the next one is read as usual.
+
+use super::{BadLine, Problem};
+use crate::Error;
+use std::io::{self, BufRead, Read};
+use std::path::{Path, PathBuf};
+
+/// No line of a log is longer, bytes (the longest real ones, 361 beams, have 4 KB).
+const LONGEST: usize = 1 << 20;
+
+/// The lines of one input.
+pub(crate) struct Lines {
+    reader: Box<dyn BufRead + Send>,
+    path: PathBuf,
+    buffer: Vec<u8>,
+    number: u64,
+    ended: bool,
+}
+
+impl Lines {
+    /// Lines of `reader`; `path` is for messages.
+    pub fn new(reader: Box<dyn BufRead + Send>, path: &Path) -> Self {
+        Lines { reader, path: path.into(), buffer: Vec::new(), number: 0, ended: false }
+    }
+
+    /// The number of the line that [`Lines::next`] gave last, from 1.
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// The next line, without its end; `None` after the last.
+    pub fn next(&mut self) -> Option<Result<&str, Problem>> {
+        if self.ended {
+            return None;
+        }
+        self.buffer.clear();
+        self.number += 1;
+        let mut limited = (&mut self.reader).take(LONGEST as u64 + 1);
+        match limited.read_until(b'\n', &mut self.buffer) {
+            Ok(0) => {
+                self.ended = true;
+                return None;
+            }
+            Ok(_) => {}
+            Err(error) => return Some(Err(self.fatal(&error))),
+        }
+        if self.buffer.len() > LONGEST && !self.buffer.ends_with(b"\n") {
+            if let Err(error) = self.reader.skip_until(b'\n') {
+                return Some(Err(self.fatal(&error)));
+            }
+            return Some(Err(self.bad("longer than 1 MiB".into())));
+        }
+        let bytes = self.buffer.strip_suffix(b"\n").unwrap_or(&self.buffer);
+        let bytes = bytes.strip_suffix(b"\r").unwrap_or(bytes);
+        let bytes = if self.number == 1 { bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes) } else { bytes };
+        match std::str::from_utf8(bytes) {
+            Ok(line) => Some(Ok(line)),
+            Err(error) => {
+                let at = error.valid_up_to();
+                let byte = bytes.get(at).copied().unwrap_or_default();
+                Some(Err(self.bad(format!("not UTF-8 text: byte {} is 0x{byte:02x}", at + 1))))
+            }
+        }
+    }
+
+    fn bad(&self, what: String) -> Problem {
+        Problem::Line(BadLine { line: self.number, what })
+    }
+
+    fn fatal(&mut self, error: &io::Error) -> Problem {
+        self.ended = true;
+        Problem::Fatal(unreadable(&self.path, Some(self.number), error))
+    }
+}
+
+/// Why reading stopped, and what to do about it.
+pub(crate) fn unreadable(path: &Path, line: Option<u64>, error: &io::Error) -> Error {
+    let what = match error.kind() {
+        io::ErrorKind::UnexpectedEof => {
+            "the compressed log is truncated here: fetch it again, or save its whole lines \
+             with `gzip -dc FILE > part.log` and map those"
+                .into()
+        }
+        io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => {
+            format!("the compressed log is damaged here ({error}): fetch it again")
+        }
+        io::ErrorKind::NotFound => "no such file or folder".into(),
+        _ => format!("can't be read: {error}"),
+    };
+    Error::Input { path: path.into(), line, what }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(bytes: &'static [u8]) -> Vec<(u64, Result<String, String>)> {
+        let mut lines = Lines::new(Box::new(bytes), Path::new("a.log"));
+        let mut all = Vec::new();
+        while let Some(line) = lines.next() {
+            let line = line.map(str::to_string).map_err(|p| p.to_string());
+            all.push((lines.number(), line));
+        }
+        all
+    }
+
+    #[test]
+    fn ends_marks_and_text() {
+        let all = lines(b"\xef\xbb\xbfone\r\n\ntwo \xff\nthree");
+        assert_eq!(all[0], (1, Ok("one".into())));
+        assert_eq!(all[1], (2, Ok(String::new())));
+        assert_eq!(all[2], (3, Err("line 3: not UTF-8 text: byte 5 is 0xff".into())));
+        assert_eq!(all[3], (4, Ok("three".into())));
+        assert_eq!(all.len(), 4);
+    }
+
+    #[test]
+    fn ten_megabytes_in_one_line() {
+        let long = Read::chain(io::repeat(b'x').take(10 << 20), &b"\nafter\n"[..]);
+        let mut lines = Lines::new(Box::new(io::BufReader::new(long)), Path::new("a.log"));
+        assert_eq!(lines.next().unwrap().unwrap_err().to_string(), "line 1: longer than 1 MiB");
+        assert!(lines.buffer.capacity() < 4 << 20);
+        assert_eq!(lines.next().unwrap().unwrap(), "after");
+        assert!(lines.next().is_none());
+    }
+}

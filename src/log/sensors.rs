@@ -1,0 +1,73 @@
+//! Completes a log's sensors: what the format or the log's header says, under the sensor file, under `--set`.
+
+use super::Options;
+use super::format::{Beams, Mounted, Source};
+use crate::sensor::{Description, Mounts, SensorFile};
+use crate::{Error, Result};
+use std::path::Path;
+
+/// The sensors of a log, complete. An error names the topmost layer that brought it in.
+pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> Result<Vec<Mounted>> {
+    let described = source.sensors();
+    let file = options.sensor_file.as_deref().map(SensorFile::open).transpose()?;
+    if let Some(file) = &file {
+        fits(file, described, source)?;
+    }
+    let set = options.overrides.description();
+    let centred = options.overrides.mounts == Some(Mounts::None);
+    let mut mounted = Vec::with_capacity(described.len());
+    for (i, described) in described.iter().enumerate() {
+        let mut description = described.clone();
+        let header = |what| Error::Input { path: path.into(), line: source.sensor_line(), what };
+        let mut fault = description.complete(i).err().map(header);
+        let over = file.as_ref().and_then(|f| f.sensors.get(i));
+        if let (Some(over), Some(file)) = (over, &file) {
+            description.lay(over);
+            fault = description.complete(i).err().map(|what| fault.unwrap_or(Error::input(&file.path, what)));
+        }
+        description.lay(&set);
+        let sensor = description.complete(i).map_err(|what| fault.unwrap_or(Error::Usage(format!("--set: {what}"))));
+        let mut sensor = sensor?;
+        if centred {
+            (sensor.x, sensor.y) = (0.0, 0.0);
+        }
+        let beams = match description {
+            Description { beams: Some(count), first: Some(first), step: Some(step), .. } => {
+                Some(Beams { count, first, step })
+            }
+            _ => None,
+        };
+        mounted.push(Mounted { sensor, beams, placed: over.is_some_and(Description::places), centred });
+    }
+    Ok(mounted)
+}
+
+/// Refuses a sensor file that can't mean this log.
+fn fits(file: &SensorFile, described: &[Description], source: &dyn Source) -> Result<()> {
+    let (has, needs) = (file.sensors.len(), described.len());
+    if has != needs {
+        let names: Vec<&str> = described.iter().take(8).filter_map(|d| d.id.as_deref()).collect();
+        let more = if needs > names.len() { ", …" } else { "" };
+        let what = format!("describes {has} sensors, but the log has {needs} ({}{more})", names.join(", "));
+        return Err(Error::input(&file.path, what));
+    }
+    for (over, under) in file.sensors.iter().zip(described) {
+        let fail = |what: String| Err(Error::input(&file.path, what));
+        let id = under.id.as_deref().unwrap_or("?");
+        if (over.beams.is_some() || over.first.is_some() || over.step.is_some()) && !source.has_beams() {
+            return fail("beams, first and step mean nothing for this log: each reading has its own heading".into());
+        }
+        if let (Some(a), Some(b)) = (over.beams, under.beams)
+            && a != b
+        {
+            return fail(format!("sensor {id} has {a} beams here, but {b} in the log"));
+        }
+        if let (Some(a), Some(b)) = (over.kind, under.kind)
+            && a != b
+        {
+            let name = |kind| if kind == crate::sensor::Kind::Sonar { "sonar" } else { "laser" };
+            return fail(format!("sensor {id} is a {} here, but a {} in the log", name(a), name(b)));
+        }
+    }
+    Ok(())
+}

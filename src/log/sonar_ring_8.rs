@@ -1,0 +1,176 @@
+//! `sonar_ring_8`: a folder with a file of readings (`sonar.txt` or `measurement.txt`; `laser.txt` for the laser) and a file
+//! of poses (`od.txt` or `poses.txt`), one row a scan in both: `t_ms r1 … rn` in mm, and `t_ms x_mm y_mm theta` with theta
+//! in 0.1°. The files carry no sensor description: presets do.
+
+use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose};
+use super::input::Input;
+use super::{BadLine, Problem};
+use crate::reading::{Pose, Record};
+use crate::sensor::{Description, Kind, preset};
+use crate::{Error, Result};
+use rows::{Meeting, Row, Rows};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+mod rows;
+
+const SONAR: &[&str] = &["sonar.txt", "measurement.txt"];
+const LASER: &[&str] = &["laser.txt"];
+const POSES: &[&str] = &["od.txt", "poses.txt"];
+/// The sonars' code for "no echo", mm.
+const NO_ECHO: f64 = 5110.0;
+/// The laser's, mm.
+const NO_RETURN: f64 = 81910.0;
+
+/// The format.
+pub(crate) struct SonarRing8;
+
+impl Format for SonarRing8 {
+    fn name(&self) -> &'static str {
+        "sonar_ring_8"
+    }
+
+    fn looks(&self) -> &'static str {
+        "a sonar_ring_8 folder (sonar.txt or measurement.txt or laser.txt, with od.txt or poses.txt)"
+    }
+
+    fn claims(&self, probe: &Probe<'_>) -> bool {
+        match probe {
+            Probe::Folder(folder) => [SONAR, LASER, POSES].iter().any(|names| find(folder, names).is_some()),
+            // One of the files alone: claimed so that the message can ask for the folder.
+            Probe::Text(text) => text.lines().next().is_some_and(|line| {
+                let fields: Vec<&str> = line.split_ascii_whitespace().collect();
+                matches!(fields.len(), 4 | 9 | 362) && fields.iter().all(|f| f.parse::<i64>().is_ok())
+            }),
+        }
+    }
+
+    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
+        let folder = match place {
+            Place::Folder(folder) => folder,
+            Place::File(input) => {
+                let what = "one file of a sonar_ring_8 log: name the folder that holds it, with readings and poses";
+                return Err(Error::input(input.path(), what));
+            }
+        };
+        let open = |names: &[&str], what: &str| match find(folder, names) {
+            Some(path) => Input::open(&path, None),
+            None => {
+                Err(Error::input(folder, format!("a sonar_ring_8 log without its {what}: no {}", names.join(" or "))))
+            }
+        };
+        let laser = kind == Some(Kind::Laser);
+        if kind.is_none() && find(folder, SONAR).is_none() && find(folder, LASER).is_some() {
+            let what = "a sonar_ring_8 log without sonar.txt: say --sensor laser to map its laser.txt";
+            return Err(Error::input(folder, what));
+        }
+        let readings = if laser { open(LASER, "laser readings")? } else { open(SONAR, "sonar readings")? };
+        let poses = open(POSES, "poses")?;
+        let sensors = preset(if laser { "sonar_ring_8.laser" } else { "sonar_ring_8" })?;
+        Ok(Box::new(Folder { readings, poses, sensors, laser }))
+    }
+}
+
+fn find(folder: &Path, names: &[&str]) -> Option<std::path::PathBuf> {
+    names.iter().map(|name| folder.join(name)).find(|path| path.is_file())
+}
+
+struct Folder {
+    readings: Input,
+    poses: Input,
+    sensors: Vec<Description>,
+    laser: bool,
+}
+
+impl Source for Folder {
+    fn sensors(&self) -> &[Description] {
+        &self.sensors
+    }
+
+    fn has_beams(&self) -> bool {
+        self.laser
+    }
+
+    fn inputs(&self) -> Vec<&Input> {
+        vec![&self.readings, &self.poses]
+    }
+
+    fn scans(&self, sensors: Arc<[Mounted]>, _ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>> {
+        let columns = match sensors.first().and_then(|m| m.beams) {
+            Some(beams) => beams.count as usize,
+            None => sensors.len(),
+        };
+        let readings = Rows::new(&self.readings, columns)?;
+        let poses = Rows::new(&self.poses, 3)?;
+        Ok(Box::new(Pass { sensors, readings, poses, scan: 0 }))
+    }
+}
+
+struct Pass {
+    sensors: Arc<[Mounted]>,
+    readings: Rows,
+    poses: Rows,
+    scan: u64,
+}
+
+impl Scans for Pass {
+    fn fill(&mut self, items: &mut Items) -> bool {
+        let (readings, poses) = (&mut self.readings, &mut self.poses);
+        if let Some(error) = readings.fatal().or_else(|| poses.fatal()) {
+            items.push_back(Err(Problem::Fatal(error)));
+            return true;
+        }
+        match rows::meet(readings, poses) {
+            Meeting::End => return false,
+            Meeting::Alone(line, what) => items.push_back(Err(Problem::Line(BadLine { line, what }))),
+            Meeting::Pair(reading, pose) => {
+                let made = match (&reading.values, &pose.values) {
+                    (Err(what), _) => Err((reading.line, format!("{}: {what}", readings.name))),
+                    (_, Err(what)) => Err((pose.line, format!("{}: {what}", poses.name))),
+                    (Ok(ranges), Ok(at)) => scan(&self.sensors, self.scan, &reading, ranges, at, items)
+                        .map_err(|what| (pose.line, format!("{}: {what}", poses.name))),
+                };
+                match made {
+                    Ok(()) => self.scan += 1,
+                    Err((line, what)) => items.push_back(Err(Problem::Line(BadLine { line, what }))),
+                }
+            }
+        }
+        true
+    }
+}
+
+/// The records of one scan.
+fn scan(
+    sensors: &[Mounted],
+    scan: u64,
+    row: &Row,
+    ranges: &[f64],
+    at: &[f64],
+    items: &mut Items,
+) -> std::result::Result<(), String> {
+    let at = |i: usize| at.get(i).copied().unwrap_or(f64::NAN);
+    let robot = Pose { x: at(0) / 1000.0, y: at(1) / 1000.0, heading: (at(2) / 10.0).to_radians() };
+    check_pose("the robot's", &robot)?;
+    let laser = sensors.first().and_then(|m| m.beams);
+    let none = if laser.is_some() { NO_RETURN } else { NO_ECHO };
+    for (k, mm) in ranges.iter().enumerate() {
+        let (sensor, off) = match laser {
+            Some(beams) => (0, beams.first + k as f64 * beams.step),
+            None => (k, 0.0),
+        };
+        let Some(mounted) = sensors.get(sensor) else { break };
+        items.push_back(Ok(Record {
+            t: row.t / 1000.0,
+            scan,
+            sensor: sensor as u32,
+            robot,
+            pose: mounted.pose(&robot, None, off),
+            range: if *mm == none { f64::INFINITY } else { mm / 1000.0 },
+            label: None,
+            line: row.line,
+        }));
+    }
+    Ok(())
+}

@@ -1,0 +1,305 @@
+//! A sensor as far as somebody has described it: every field may be missing. Descriptions are laid over each other (preset,
+//! log's header, sensor file, `--set`) and then completed to a [`Sensor`] with the defaults of its kind.
+
+use super::{Kind, Sensor, angle, length};
+use serde::{Deserialize, Deserializer, de};
+use std::fmt;
+
+/// Half width of a sonar that nobody described, radians (15°).
+const SONAR_HALF_WIDTH: f64 = 15.0 * std::f64::consts::PI / 180.0;
+/// Half width of a laser whose beam spacing nobody described, radians (0.25°: the commonest spacing is 0.5°).
+const LASER_HALF_WIDTH: f64 = 0.25 * std::f64::consts::PI / 180.0;
+/// Wider cones than ±60° are refused: the snapped cone's tests don't hold for them.
+const WIDEST: f64 = 60.0 * std::f64::consts::PI / 180.0;
+/// No length of a sensor is longer, metres.
+const LONGEST: f64 = 1e6;
+
+/// A sensor, as far as it is described. Units and frames are those of [`Sensor`].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Description {
+    /// Its name in the log.
+    pub id: Option<String>,
+    /// Sonar or laser.
+    pub kind: Option<Kind>,
+    /// Metres forward of the robot's centre.
+    pub x: Option<f64>,
+    /// Metres to the left of the robot's centre.
+    pub y: Option<f64>,
+    /// Instead of `x` and `y`: metres from the robot's centre along the sensor's own axis.
+    pub displacement: Option<f64>,
+    /// Bearing in the robot's frame, radians.
+    pub axis: Option<f64>,
+    /// Half the beam's width β, radians.
+    pub half_width: Option<f64>,
+    /// Ranges below this are rejected, metres.
+    pub r_min: Option<f64>,
+    /// Ranges above this are no echo, metres.
+    pub r_max: Option<f64>,
+    /// Echoes from beyond this are rejected, metres.
+    pub hit_range: Option<f64>,
+    /// How far a missing echo frees the cone, metres.
+    pub no_echo_range: Option<f64>,
+    /// Half the depth of the arc ε, metres.
+    pub epsilon: Option<f64>,
+    /// Lasers: how many beams a scan has.
+    pub beams: Option<u32>,
+    /// Lasers: bearing of the first beam from the sensor's axis, radians.
+    pub first: Option<f64>,
+    /// Lasers: angle from one beam to the next, radians.
+    pub step: Option<f64>,
+}
+
+/// The keys of a sensor table, in a TOML file or in a log's header.
+const KEYS: [&str; 15] = [
+    "id",
+    "kind",
+    "x",
+    "y",
+    "displacement",
+    "axis",
+    "half_width",
+    "r_min",
+    "r_max",
+    "hit_range",
+    "no_echo_range",
+    "epsilon",
+    "beams",
+    "first",
+    "step",
+];
+
+impl Description {
+    /// Sets one key from its value; the error says what the key takes.
+    pub(crate) fn set(&mut self, key: &str, value: &Value) -> Result<(), String> {
+        let wrong = |what: String| format!("{key} = {value}: {key} {what}");
+        match (key, value) {
+            (_, Value::Null) => return Ok(()),
+            ("id", Value::Text(text)) => self.id = Some(text.clone()),
+            ("id", Value::Number(number)) => self.id = Some(number.to_string()),
+            ("kind", Value::Text(text)) if text == "sonar" => self.kind = Some(Kind::Sonar),
+            ("kind", Value::Text(text)) if text == "laser" => self.kind = Some(Kind::Laser),
+            ("kind", _) => return Err(wrong("takes \"sonar\" or \"laser\"".into())),
+            ("beams", Value::Number(n)) if n.fract() == 0.0 && (2.0..=1e6).contains(n) => self.beams = Some(*n as u32),
+            ("beams", _) => return Err(wrong("takes a whole number from 2".into())),
+            _ => {
+                let read = if matches!(key, "axis" | "half_width" | "first" | "step") { angle } else { length };
+                let number = match value {
+                    Value::Number(number) if number.is_finite() => *number,
+                    Value::Number(number) => read(&number.to_string()).map_err(wrong)?,
+                    Value::Text(text) => read(text).map_err(wrong)?,
+                    Value::Null => return Ok(()),
+                };
+                check_one(key, number).map_err(wrong)?;
+                *self.slot(key).ok_or_else(|| format!("unknown key {key}"))? = Some(number);
+            }
+        }
+        Ok(())
+    }
+
+    fn slot(&mut self, key: &str) -> Option<&mut Option<f64>> {
+        Some(match key {
+            "x" => &mut self.x,
+            "y" => &mut self.y,
+            "displacement" => &mut self.displacement,
+            "axis" => &mut self.axis,
+            "half_width" => &mut self.half_width,
+            "r_min" => &mut self.r_min,
+            "r_max" => &mut self.r_max,
+            "hit_range" => &mut self.hit_range,
+            "no_echo_range" => &mut self.no_echo_range,
+            "epsilon" => &mut self.epsilon,
+            "first" => &mut self.first,
+            "step" => &mut self.step,
+            _ => return None,
+        })
+    }
+
+    /// Lays `upper` over this one: what it says, holds. A lowered `r_max` takes `hit_range` and `no_echo_range` down
+    /// with it, unless `upper` sets them too.
+    pub fn lay(&mut self, upper: &Description) {
+        if upper.x.is_some() || upper.y.is_some() {
+            self.displacement = None;
+        }
+        if upper.displacement.is_some() {
+            (self.x, self.y) = (None, None);
+        }
+        if let Some(r_max) = upper.r_max {
+            self.hit_range = self.hit_range.map(|r| r.min(r_max));
+            self.no_echo_range = self.no_echo_range.map(|r| r.min(r_max));
+        }
+        fn put<T: Clone>(mine: &mut Option<T>, theirs: &Option<T>) {
+            if theirs.is_some() {
+                mine.clone_from(theirs);
+            }
+        }
+        put(&mut self.id, &upper.id);
+        put(&mut self.kind, &upper.kind);
+        put(&mut self.beams, &upper.beams);
+        for key in KEYS {
+            let theirs = upper.clone().slot(key).and_then(|s| *s);
+            if let (Some(mine), Some(value)) = (self.slot(key), theirs) {
+                *mine = Some(value);
+            }
+        }
+    }
+
+    /// Whether this one says where the sensor sits or looks.
+    pub(crate) fn places(&self) -> bool {
+        [self.x, self.y, self.displacement, self.axis].iter().any(Option::is_some)
+    }
+
+    /// The complete sensor: missing fields take the defaults of its kind. Sonar: β 15°, r_min 0.15 m, r_max 5 m; laser:
+    /// β half the beam spacing (0.25° if unknown), r_min 0.05 m, r_max 80 m; both: at the robot's centre, looking
+    /// forward, hit_range r_max, no_echo_range 0.
+    ///
+    /// # Errors
+    /// A text that names the two values that don't go together.
+    pub fn complete(&self, index: usize) -> Result<Sensor, String> {
+        let kind = self.kind.unwrap_or(Kind::Sonar);
+        let (half_width, r_min, r_max) = match kind {
+            Kind::Sonar => (SONAR_HALF_WIDTH, 0.15, 5.0),
+            Kind::Laser => (self.step.map_or(LASER_HALF_WIDTH, |s| (s.abs() / 2.0).min(WIDEST)), 0.05, 80.0),
+        };
+        let axis = self.axis.unwrap_or(0.0);
+        let (x, y) = match self.displacement {
+            Some(d) => (d * axis.cos(), d * axis.sin()),
+            None => (self.x.unwrap_or(0.0), self.y.unwrap_or(0.0)),
+        };
+        let r_max = self.r_max.unwrap_or(r_max);
+        let sensor = Sensor {
+            id: self.id.clone().unwrap_or_else(|| index.to_string()),
+            kind,
+            x,
+            y,
+            axis,
+            half_width: self.half_width.unwrap_or(half_width),
+            r_min: self.r_min.unwrap_or(r_min),
+            r_max,
+            hit_range: self.hit_range.unwrap_or(r_max),
+            no_echo_range: self.no_echo_range.unwrap_or(0.0),
+            epsilon: self.epsilon,
+        };
+        self.check(&sensor)?;
+        Ok(sensor)
+    }
+
+    fn check(&self, s: &Sensor) -> Result<(), String> {
+        let fail = |what: String| Err(format!("sensor {}: {what}", s.id));
+        if self.displacement.is_some() && (self.x.is_some() || self.y.is_some()) {
+            return fail("give either displacement or x and y, not both".into());
+        }
+        if s.r_min >= s.r_max {
+            return fail(format!("r_min {} m must be below r_max {} m", s.r_min, s.r_max));
+        }
+        if s.hit_range > s.r_max {
+            return fail(format!("hit_range {} m must not exceed r_max {} m", s.hit_range, s.r_max));
+        }
+        if s.hit_range < s.r_min {
+            return fail(format!("hit_range {} m must not be below r_min {} m", s.hit_range, s.r_min));
+        }
+        // A range beyond r_max counts as no echo: freeing past r_max would free through the very thing that answered.
+        if s.no_echo_range > s.r_max {
+            return fail(format!("no_echo_range {} m must not exceed r_max {} m", s.no_echo_range, s.r_max));
+        }
+        if s.kind == Kind::Sonar && (self.beams.is_some() || self.first.is_some() || self.step.is_some()) {
+            return fail("beams, first and step are for lasers; a sonar is one beam".into());
+        }
+        Ok(())
+    }
+}
+
+/// Checks one value by itself; the error says what the key takes.
+pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
+    let fine = match key {
+        "half_width" | "beta" => (0.0..=WIDEST).contains(&value),
+        "r_min" | "no_echo_range" => (0.0..=LONGEST).contains(&value),
+        "r_max" | "hit_range" | "epsilon" => value > 0.0 && value <= LONGEST,
+        "step" => value != 0.0 && value.is_finite(),
+        _ => value.is_finite() && value.abs() <= LONGEST,
+    };
+    match (fine, key) {
+        (true, _) => Ok(()),
+        (_, "half_width" | "beta") => Err("takes 0 to 60deg (1.0472)".into()),
+        (_, "r_min" | "no_echo_range") => Err("takes 0 to 1e6 m".into()),
+        (_, "r_max" | "hit_range" | "epsilon") => Err("takes more than 0, up to 1e6 m".into()),
+        (_, "step") => Err("takes an angle other than 0".into()),
+        _ => Err("takes -1e6 to 1e6".into()),
+    }
+}
+
+/// A value in a sensor table.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Value {
+    /// A plain number: metres or radians.
+    Number(f64),
+    /// A name, or a number with its unit.
+    Text(String),
+    /// As if the key were missing.
+    Null,
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Value::Number(number) => write!(f, "{number}"),
+            Value::Text(text) => write!(f, "{text:?}"),
+            Value::Null => write!(f, "null"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Value {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl de::Visitor<'_> for Visitor {
+            type Value = Value;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or a text")
+            }
+            fn visit_f64<E>(self, v: f64) -> Result<Value, E> {
+                Ok(Value::Number(v))
+            }
+            fn visit_i64<E>(self, v: i64) -> Result<Value, E> {
+                Ok(Value::Number(v as f64))
+            }
+            fn visit_u64<E>(self, v: u64) -> Result<Value, E> {
+                Ok(Value::Number(v as f64))
+            }
+            fn visit_str<E>(self, v: &str) -> Result<Value, E> {
+                Ok(Value::Text(v.into()))
+            }
+            fn visit_unit<E>(self) -> Result<Value, E> {
+                Ok(Value::Null)
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+/// A key of a sensor table; any other is refused with the nearest known one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) struct SensorKey(pub &'static str);
+
+impl<'de> Deserialize<'de> for SensorKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        match KEYS.iter().find(|k| **k == name) {
+            Some(key) => Ok(SensorKey(key)),
+            None => Err(de::Error::custom(format!("unknown key {name:?}{}", similar(&name, &KEYS)))),
+        }
+    }
+}
+
+/// The known name that is nearest to what was written, if any is near.
+pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let near = |k: &&&str| strsim::jaro_winkler(&name.to_lowercase(), k);
+    known.iter().filter(|k| near(k) > 0.7).max_by(|a, b| near(a).total_cmp(&near(b))).copied()
+}
+
+/// "; did you mean …?" or the list of what there is.
+pub(crate) fn similar(name: &str, known: &[&str]) -> String {
+    match nearest(name, known) {
+        Some(near) => format!("; did you mean {near:?}?"),
+        None => format!("; known are {}", known.join(", ")),
+    }
+}

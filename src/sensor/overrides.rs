@@ -1,0 +1,136 @@
+//! What `--set` changes in every sensor of a log. It beats the sensor file, the log's header and the preset.
+
+use super::description::check_one;
+use super::{Description, angle, length};
+use crate::method::settings::Key;
+use crate::{Error, Result};
+
+/// Where sensors sit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mounts {
+    /// Where their description, or the log's own sensor poses, put them (default).
+    #[default]
+    Preset,
+    /// At the robot's centre, each looking along its own axis.
+    None,
+}
+
+/// Changes to every sensor; `None` leaves the description's value.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Overrides {
+    /// Half the beam's width β, radians.
+    pub beta: Option<f64>,
+    /// Ranges below this are rejected, metres.
+    pub r_min: Option<f64>,
+    /// Ranges above this are no echo, metres.
+    pub r_max: Option<f64>,
+    /// Echoes from beyond this are rejected, metres.
+    pub hit_range: Option<f64>,
+    /// How far a missing echo frees the cone, metres.
+    pub no_echo_range: Option<f64>,
+    /// Half the depth of the arc ε, metres.
+    pub epsilon: Option<f64>,
+    /// Where the sensors sit.
+    pub mounts: Option<Mounts>,
+}
+
+const fn key(name: &'static str, values: &'static str, default: &'static str, about: &'static str) -> Key {
+    Key { name, values, default, about }
+}
+
+/// The keys that [`Overrides::set`] takes, for help and errors.
+pub const OVERRIDE_KEYS: &[Key] = &[
+    key("beta", "0..60deg", "the sensor's", "half the beam's width"),
+    key("r_min", "length, 0 or more", "the sensor's", "ranges below this are rejected"),
+    key("r_max", "length, above 0", "the sensor's", "ranges above this are no echo"),
+    key("hit_range", "length, above 0, up to r_max", "the sensor's", "echoes from beyond this are rejected"),
+    key("no_echo_range", "length, 0 to r_max", "the sensor's", "how far a missing echo frees the cone; 0: not at all"),
+    key("epsilon", "length, above 0", "by kind and resolution", "half the depth of the arc"),
+    key("mounts", "preset|none", "preset", "none: every sensor sits at the robot's centre, with its own axis"),
+];
+
+impl Overrides {
+    /// Sets one key from its text. `Ok(false)`: there is no such key here.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] that names the key, the value and what is allowed.
+    pub fn set(&mut self, name: &str, value: &str) -> Result<bool> {
+        let slot = match name {
+            "beta" => &mut self.beta,
+            "r_min" => &mut self.r_min,
+            "r_max" => &mut self.r_max,
+            "hit_range" => &mut self.hit_range,
+            "no_echo_range" => &mut self.no_echo_range,
+            "epsilon" => &mut self.epsilon,
+            "mounts" => {
+                self.mounts = Some(match value {
+                    "preset" => Mounts::Preset,
+                    "none" => Mounts::None,
+                    _ => return Err(Error::Usage(format!("--set mounts={value}: mounts takes preset or none"))),
+                });
+                return Ok(true);
+            }
+            _ => return Ok(false),
+        };
+        let wrong = |what: String| Error::Usage(format!("--set {name}={value}: {name} {what}"));
+        let number = if name == "beta" { angle(value) } else { length(value) }.map_err(wrong)?;
+        check_one(name, number).map_err(wrong)?;
+        *slot = Some(number);
+        Ok(true)
+    }
+
+    /// Whether anything is changed.
+    pub fn is_empty(&self) -> bool {
+        *self == Overrides::default()
+    }
+
+    /// The same as a description, to be laid over a sensor's.
+    pub(crate) fn description(&self) -> Description {
+        Description {
+            half_width: self.beta,
+            r_min: self.r_min,
+            r_max: self.r_max,
+            hit_range: self.hit_range,
+            no_echo_range: self.no_echo_range,
+            epsilon: self.epsilon,
+            ..Description::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_documented_key_is_taken() {
+        let mut o = Overrides::default();
+        for (key, value) in OVERRIDE_KEYS.iter().zip(["15deg", "170mm", "5", "3m", "1.5", "5cm", "none"]) {
+            assert!(o.set(key.name, value).unwrap(), "{}", key.name);
+        }
+        let all = (o.beta, o.r_min, o.r_max, o.hit_range, o.no_echo_range, o.epsilon, o.mounts);
+        let some = (Some(15_f64.to_radians()), Some(0.17), Some(5.0), Some(3.0), Some(1.5), Some(0.05));
+        assert_eq!(all, (some.0, some.1, some.2, some.3, some.4, some.5, Some(Mounts::None)));
+        assert!(!o.set("order", "batch").unwrap());
+    }
+
+    #[test]
+    fn refusals_name_key_value_and_what_is_allowed() {
+        for (name, value, allowed) in [
+            ("beta", "61deg", "0 to 60deg"),
+            ("beta", "-1deg", "0 to 60deg"),
+            ("beta", "nan", "radians"),
+            ("r_max", "inf", "mm, cm or m"),
+            ("r_max", "0", "more than 0"),
+            ("r_min", "-0.1", "0 to 1e6"),
+            ("epsilon", "0", "more than 0"),
+            ("hit_range", "far", "mm, cm or m"),
+            ("mounts", "some", "preset or none"),
+        ] {
+            let error = Overrides::default().set(name, value).unwrap_err();
+            assert_eq!(error.exit_code(), 2);
+            let text = error.to_string();
+            assert!(text.contains(&format!("{name}={value}")) && text.contains(allowed), "{text}");
+        }
+    }
+}
