@@ -164,8 +164,8 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The finished map.
-    pub fn finish(self) -> Result<Map> {
+    /// The finished map, and how often each cell was visited.
+    pub fn finish(self) -> Result<(Map, Visits)> {
         let chunks = self.backend.finish(self.method)?;
         Ok(layers(&self.grid, self.method, &chunks))
     }
@@ -205,8 +205,17 @@ fn tip_is_arc(cone: &Cone, footprint: Footprint, size: [usize; 2]) -> bool {
     })
 }
 
+/// How often each cell was updated, row by row: what membership came to.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Visits {
+    /// From the interior of a cone.
+    pub interior: Vec<u32>,
+    /// On an arc.
+    pub arc: Vec<u32>,
+}
+
 /// Takes the layers out of the chunks' words.
-fn layers(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Map {
+fn layers(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> (Map, Visits) {
     let specs = method.layers();
     let cells = grid.cells();
     let mut values: Vec<Vec<f32>> = specs.iter().map(|s| vec![s.fill; cells]).collect();
@@ -265,5 +274,5 @@ fn layers(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Map {
         fill: f64::from(Class::Unknown as i8),
         scale: Scale::Signed { limit: 1.0 },
     });
-    Map { grid: *grid, method: method::name(method).into(), layers, updates, interior, arc }
+    (Map { grid: *grid, method: method::name(method).into(), layers, updates }, Visits { interior, arc })
 }

@@ -97,10 +97,6 @@ pub struct Map {
     pub layers: Vec<Layer>,
     /// Cell updates: (reading, cell) pairs with the cell inside the cone.
     pub updates: u64,
-    /// Updates of each cell from the interior of a cone, for comparing backends; empty where not kept.
-    pub interior: Vec<u32>,
-    /// Updates of each cell on an arc, likewise.
-    pub arc: Vec<u32>,
 }
 
 impl Map {
