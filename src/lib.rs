@@ -20,6 +20,8 @@ pub mod survey;
 pub mod session;
 pub mod memory;
 pub mod verify;
+pub mod workload;
+pub mod throughput;
 pub mod grid;
 pub mod output;
 pub mod compare;
