@@ -48,14 +48,14 @@ fn readings_lie_within_their_sensors_limits() {
         missing += usize::from(record.range == f64::INFINITY);
     }
     eprintln!("{scans} scans, {missing} of {} readings without an echo", records.len());
-    assert!(missing > records.len() / 20 && missing < records.len() / 2, "{missing} without an echo");
+    assert!(missing > records.len() / 40 && missing < records.len() / 4, "{missing} without an echo");
 }
 
 #[test]
 fn a_sonar_square_to_a_wall_measures_its_distance() {
-    // sensor 0 looks right, at the wall y = 0.03, while the robot drives along the first side
+    // sensor 0 looks right, at the wall y = 0.03, which its cone meets squarely along the first leg of the way
     let (_, records) = room::records(1).unwrap();
-    let beside: Vec<_> = records.iter().filter(|r| r.sensor == 0 && r.scan < 100).collect();
+    let beside: Vec<_> = records.iter().filter(|r| r.sensor == 0 && r.scan < 45).collect();
     for r in beside {
         let want = r.pose.y - 0.03;
         assert!((r.range - want).abs() < 0.045, "{} m, not {want} m", r.range);
@@ -118,5 +118,10 @@ fn maps_of_the_room_show_its_walls() {
         let class: Vec<i8> = (0..data.len()).map(|k| data.get(k) as i8).collect();
         let (recall, precision, freed) = score(&grid, &truth, &class);
         eprintln!("{}: recall {recall:.3}, precision {precision:.3}, freed {freed:.3}", entry.name);
+        // measured with seed 1, the methods in the registry's order: recall .754 .915 .874 .978, precision .597 .670 .700 .579
+        let bar = if entry.name == "certainty" { 0.72 } else { 0.85 };
+        assert!(recall > bar && precision > 0.55, "{}: recall {recall}, precision {precision}", entry.name);
+        // measured .379 .128 .234 .205: oblique walls are freed by echoes from farther off, as in life
+        assert!(freed > 0.05 && freed < 0.4, "{}: {freed} of the wall cells are freed", entry.name);
     }
 }

@@ -3,6 +3,7 @@
 //! `working-N.png` and `working-N.json`. The picture holds what the snapped cone holds: a cell is coloured if its centre
 //! lies inside the outline that is drawn, blue where the reading frees it, red where it takes it for occupied.
 
+mod canvas;
 mod outline;
 mod picture;
 

@@ -1,4 +1,4 @@
-//! The demo's world: a room of 5 × 4 m with a box in it, and a robot with the ring of eight sonars that drives once round.
+//! The demo's world: a room of 5 × 4 m with a box in it, and a robot with the ring of eight sonars that drives once round and back.
 //!
 //! A small stand-in, not the physical simulator: one echo a reading, the nearest wall that its cone meets within 30° of
 //! the wall's normal, or a corner in sight; no second bounces, no phantoms, no loss of amplitude. The same seed gives the
@@ -15,10 +15,11 @@ type Point = (f64, f64);
 /// The room's inside and the box: left, bottom, right, top, metres. Off the grid, as rooms are.
 const ROOM: [f64; 4] = [0.02, 0.03, 5.02, 4.03];
 const BOX: [f64; 4] = [2.13, 1.72, 2.88, 2.31];
-/// The corners of the robot's way round the box.
-const WAY: [Point; 4] = [(0.9, 0.8), (4.2, 0.7), (4.3, 3.2), (0.8, 3.3)];
+/// The corners of the robot's way: round the box, and back.
+const WAY: [Point; 8] =
+    [(0.9, 0.8), (2.5, 1.1), (4.2, 0.7), (3.8, 2.0), (4.3, 3.2), (2.4, 2.9), (0.8, 3.3), (1.2, 2.0)];
 /// Metres from one scan to the next, and the most that the robot turns between two, radians.
-const STEP: f64 = 0.03;
+const STEP: f64 = 0.035;
 const TURN: f64 = 0.15;
 /// Seconds between scans.
 const SCAN_TIME: f64 = 0.1;

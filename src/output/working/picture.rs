@@ -3,16 +3,11 @@
 //! Blue cells lie in the interior, red ones on the arc, the darker the stronger their evidence; a shade is relative to the
 //! strongest of its region. A certainty grid's hit is drawn three times: own evidence, cancelled, normalised.
 
+use super::canvas::{Canvas, Colour};
 use super::outline::{Outline, Point};
 use crate::grid::{GridSpec, Map};
 use crate::oracle::{Region, Working, WorkingCell};
-use png::{BitDepth, ColorType, Encoder};
 use serde::Serialize;
-use std::fs::File;
-use std::io::BufWriter;
-use std::path::Path;
-
-type Colour = [u8; 3];
 
 /// The longest side of a picture, about.
 const LONGEST: f64 = 1200.0;
@@ -132,7 +127,7 @@ pub(super) fn draw(
 ) -> Canvas {
     let size = layout.cells.map(|n| pixel(n, layout.pixels_per_cell).max(1));
     let last = layout.panels.iter().fold([0, 0], |m, p| [p.x.max(m[0]), p.y.max(m[1])]);
-    let mut canvas = Canvas::new(last[0] + size[0], last[1] + size[1]);
+    let mut canvas = Canvas::new(last[0] + size[0], last[1] + size[1], OUTSIDE);
     for place in &layout.panels {
         let mut view = View { canvas: &mut canvas, layout, place, size };
         view.background(grid, map);
@@ -242,36 +237,5 @@ impl View<'_> {
                 }
             }
         }
-    }
-}
-
-/// An RGB picture, top row first.
-pub(super) struct Canvas {
-    width: i64,
-    height: i64,
-    pixels: Vec<u8>,
-}
-
-impl Canvas {
-    fn new(width: i64, height: i64) -> Canvas {
-        Canvas { width, height, pixels: OUTSIDE.repeat((width * height) as usize) }
-    }
-
-    fn put(&mut self, x: i64, y: i64, colour: Colour) {
-        if (0..self.width).contains(&x) && (0..self.height).contains(&y) {
-            let k = 3 * (y * self.width + x) as usize;
-            self.pixels[k..k + 3].copy_from_slice(&colour);
-        }
-    }
-
-    /// Writes it as a PNG.
-    pub fn save(&self, path: &Path) -> std::io::Result<()> {
-        let file = BufWriter::new(File::create(path)?);
-        let mut encoder = Encoder::new(file, self.width as u32, self.height as u32);
-        encoder.set_color(ColorType::Rgb);
-        encoder.set_depth(BitDepth::Eight);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.pixels)?;
-        Ok(writer.finish()?)
     }
 }
