@@ -2,6 +2,7 @@
 //! the same result. The modules stand in the order of the data: a *log* gives *readings*, a *batch* says which tiles they
 //! reach, a *method* runs on one of the *kernels*, the *grid* holds its layers, *output* writes them.
 
+pub mod world;
 pub mod sensor;
 pub mod log;
 pub mod reading;
