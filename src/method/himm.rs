@@ -61,8 +61,8 @@ impl Kernel for Himm {
         for k in 0..TILE {
             let less = cells[k].max(ONE) - ONE;
             let more = (cells[k] + HIT).min(MOST);
-            cells[k] = if row.interior[k] { less } else { cells[k] };
-            cells[k] = if row.arc[k] { more } else { cells[k] };
+            cells[k] = if row.interior[k] != 0 { less } else { cells[k] };
+            cells[k] = if row.arc[k] != 0 { more } else { cells[k] };
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The drivers of the CPU's passes: a tile's list of readings, in log order, row by row; twins of `shaders/driver/*.wgsl`.
 
-use crate::cone::{Row, axis_row, cone_row, inside_row};
+use crate::cone::{Row, Rows, axis_row, cone_row, inside_row, rows};
 use crate::layout::*;
 use crate::method::Pass;
 use fearless_simd::{Level, dispatch};
@@ -76,12 +76,28 @@ impl Place {
         Place { corner: [x as i32, y as i32], columns: (width - x) as usize, rows: TILE.min((height - y) as usize) }
     }
 
+    /// The first cell's centre from the sensor.
+    #[inline(always)]
+    fn first(&self, cone: &Cone) -> [i32; 2] {
+        [0, 1].map(|k| CELL * self.corner[k] + CELL / 2 - cone.sensor[k])
+    }
+
+    /// The rows to look at.
+    #[inline(always)]
+    fn rows<K: Kernel>(&self, entry: &Entry, cone: &Cone) -> Rows {
+        if entry.cone & INSIDE != 0 {
+            return Rows { some: 0xffff, all: 0xffff };
+        }
+        let Rows { some, all } = rows(cone, self.first(cone), K::AXIS);
+        Rows { some: some & (0xffff >> (TILE - self.rows)), all }
+    }
+
     /// Row `y` of the tile as the cone sees it; `None` if it has no cell there.
     #[inline(always)]
-    fn row<K: Kernel>(&self, entry: &Entry, cone: &Cone, y: usize, keep_no_echo: bool) -> Option<Row> {
-        let first = [0, 1].map(|k| CELL * self.corner[k] + CELL / 2 - cone.sensor[k]);
+    fn row<K: Kernel>(&self, all: u32, cone: &Cone, y: usize, keep_no_echo: bool) -> Option<Row> {
+        let first = self.first(cone);
         let v = [first[0], first[1] + CELL * y as i32];
-        let mut row = if entry.cone & INSIDE != 0 {
+        let mut row = if all >> y & 1 != 0 {
             inside_row(cone, v)
         } else if K::AXIS {
             axis_row(cone, v)?
@@ -92,7 +108,7 @@ impl Place {
             row.clip(self.columns);
         }
         if cone.flags & NO_ECHO != 0 && !keep_no_echo {
-            row.arc = [false; TILE];
+            row.arc = [0; TILE];
         }
         Some(row)
     }
@@ -103,20 +119,25 @@ impl Place {
 fn fuse<K: Kernel>(kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
     let place = Place::of(job);
     let (counts, planes) = state.split_at_mut(2 * TILE);
-    let counting = job.frame.mode & COUNT != 0;
+    // Copies, so that they live in registers.
+    let frame = &{ *job.frame };
+    let counting = frame.mode & COUNT != 0;
     for entry in job.entries {
-        let cone = &job.cones[entry.index()];
+        let cone = &{ job.cones[entry.index()] };
         let share = job.shares.get(cone.index as usize).copied().unwrap_or_default();
-        for y in 0..place.rows {
-            let Some(row) = place.row::<K>(entry, cone, y, false) else { continue };
+        let Rows { mut some, all } = place.rows::<K>(entry, cone);
+        while some != 0 {
+            let y = some.trailing_zeros() as usize;
+            some &= some - 1;
+            let Some(row) = place.row::<K>(all, cone, y, false) else { continue };
             if counting {
                 for k in 0..TILE {
-                    counts[y][k] += u32::from(row.interior[k]);
-                    counts[TILE + y][k] += u32::from(row.arc[k]);
+                    counts[y][k] += row.interior[k];
+                    counts[TILE + y][k] += row.arc[k];
                 }
             }
             let mut cells = K::load(planes, y);
-            kernel.fuse(job.frame, cone, &row, &share, &mut cells);
+            kernel.fuse(frame, cone, &row, &share, &mut cells);
             K::store(&cells, planes, y);
         }
     }
@@ -126,14 +147,18 @@ fn fuse<K: Kernel>(kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
 #[inline(always)]
 fn weigh<K: Kernel>(kernel: &K, job: &Job, state: &[[u32; TILE]]) {
     let place = Place::of(job);
+    let frame = &{ *job.frame };
     let mut planes = state[2 * TILE..].to_vec();
     for entry in job.entries {
-        let cone = &job.cones[entry.index()];
+        let cone = &{ job.cones[entry.index()] };
         let mut columns = [0.0f32; TILE];
-        for y in 0..place.rows {
-            let Some(row) = place.row::<K>(entry, cone, y, false) else { continue };
+        let Rows { mut some, all } = place.rows::<K>(entry, cone);
+        while some != 0 {
+            let y = some.trailing_zeros() as usize;
+            some &= some - 1;
+            let Some(row) = place.row::<K>(all, cone, y, false) else { continue };
             let mut cells = K::load(&planes, y);
-            let evidence = kernel.weigh(job.frame, cone, &row, &mut cells);
+            let evidence = kernel.weigh(frame, cone, &row, &mut cells);
             K::store(&cells, &mut planes, y);
             for k in 0..TILE {
                 columns[k] += evidence[k];
@@ -153,11 +178,14 @@ fn weigh<K: Kernel>(kernel: &K, job: &Job, state: &[[u32; TILE]]) {
 fn count<K: Kernel>(job: &Job) {
     let place = Place::of(job);
     for entry in job.entries.iter().filter(|e| e.cone & ARC != 0) {
-        let cone = &job.cones[entry.index()];
+        let cone = &{ job.cones[entry.index()] };
         let mut cells = 0;
-        for y in 0..place.rows {
-            if let Some(row) = place.row::<K>(entry, cone, y, true) {
-                cells += row.arc.iter().map(|a| u32::from(*a)).sum::<u32>();
+        let Rows { mut some, all } = place.rows::<K>(entry, cone);
+        while some != 0 {
+            let y = some.trailing_zeros() as usize;
+            some &= some - 1;
+            if let Some(row) = place.row::<K>(all, cone, y, true) {
+                cells += row.arc.iter().sum::<u32>();
             }
         }
         if cells > 0 {
