@@ -5,6 +5,7 @@
 pub mod sensor;
 pub mod log;
 pub mod reading;
+pub mod wedge;
 pub mod snap;
 pub mod batch;
 pub mod layout;
@@ -14,9 +15,15 @@ pub mod method;
 pub mod kernels;
 pub mod oracle;
 pub mod mapper;
+pub mod layers;
+pub mod survey;
+pub mod session;
+pub mod memory;
+pub mod verify;
 pub mod grid;
 pub mod output;
 pub mod compare;
+pub mod cli;
 pub mod error;
 
 pub use error::{Error, Result};

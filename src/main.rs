@@ -1,3 +1,15 @@
-//! The `echogrid` command.
+//! The `echogrid` command: parse, run, print an error once, exit with its code.
 
-fn main() {}
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = echogrid::cli::Arguments::parse();
+    match arguments.run() {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => {
+            eprintln!("echogrid: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

@@ -1,9 +1,10 @@
 //! From readings to a map: snap, bin, run the method's sweeps on a backend, take the layers out.
 
 use crate::batch::{Batch, Binning};
-use crate::grid::{Class, Data, GridSpec, Layer, Map, Scale};
-use crate::kernels::{Backend, Chunks};
-use crate::layout::{ARC, CELL, CHUNK, Cone, DIRECTION, Frame, INSIDE, NO_ECHO, TILE, TILE_CELLS, WIDE};
+use crate::grid::{GridSpec, Layer, Map};
+use crate::kernels::Backend;
+use crate::layers;
+use crate::layout::{ARC, CELL, Cone, DIRECTION, Frame, INSIDE, NO_ECHO, TILE, TILE_CELLS, WIDE};
 use crate::method::{self, Method};
 use crate::reading::{Counts, Outcome, Reading};
 use crate::sensor::Sensor;
@@ -164,10 +165,10 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The finished map, and how often each cell was visited.
-    pub fn finish(self) -> Result<(Map, Visits)> {
+    /// The finished map.
+    pub fn finish(self) -> Result<Finished> {
         let chunks = self.backend.finish(self.method)?;
-        Ok(layers(&self.grid, self.method, &chunks))
+        Ok(layers::from_chunks(&self.grid, self.method, &chunks))
     }
 }
 
@@ -205,6 +206,17 @@ fn tip_is_arc(cone: &Cone, footprint: Footprint, size: [usize; 2]) -> bool {
     })
 }
 
+/// A finished map and what doesn't belong to its files.
+#[derive(Debug, Clone)]
+pub struct Finished {
+    /// The map.
+    pub map: Map,
+    /// The combined picture, −1 surely empty to 1 surely occupied.
+    pub combined: Layer,
+    /// How often each cell was updated.
+    pub visits: Visits,
+}
+
 /// How often each cell was updated, row by row: what membership came to.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Visits {
@@ -212,67 +224,4 @@ pub struct Visits {
     pub interior: Vec<u32>,
     /// On an arc.
     pub arc: Vec<u32>,
-}
-
-/// Takes the layers out of the chunks' words.
-fn layers(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> (Map, Visits) {
-    let specs = method.layers();
-    let cells = grid.cells();
-    let mut values: Vec<Vec<f32>> = specs.iter().map(|s| vec![s.fill; cells]).collect();
-    let (mut touched, mut class) = (vec![0u8; cells], vec![0i8; cells]);
-    let (mut interior, mut arc) = (vec![0u32; cells], vec![0u32; cells]);
-    let (planes, words) = (method::planes(method), method::tile_words(method));
-    let mut cell = vec![0u32; planes];
-    let mut out = vec![0f32; specs.len()];
-    for (place, state) in chunks {
-        for (slot, tile) in state.chunks_exact(words).enumerate() {
-            let corner = [place[1] as usize * CHUNK + slot % CHUNK, place[0] as usize * CHUNK + slot / CHUNK];
-            let (x0, y0) = (corner[0] * TILE, corner[1] * TILE);
-            for y in y0..(y0 + TILE).min(grid.height) {
-                for x in x0..(x0 + TILE).min(grid.width) {
-                    let at = (y - y0) * TILE + x - x0;
-                    if tile[at] + tile[TILE_CELLS + at] == 0 {
-                        continue;
-                    }
-                    for (p, word) in cell.iter_mut().enumerate() {
-                        *word = tile[p * TILE_CELLS + at];
-                    }
-                    let k = y * grid.width + x;
-                    class[k] = method.values(&cell, &mut out) as i8;
-                    touched[k] = 1;
-                    (interior[k], arc[k]) = (cell[0], cell[1]);
-                    for (layer, value) in values.iter_mut().zip(&out) {
-                        layer[k] = *value;
-                    }
-                }
-            }
-        }
-    }
-    let updates = interior.iter().chain(&arc).map(|n| u64::from(*n)).sum();
-    let mut layers: Vec<Layer> = specs
-        .iter()
-        .zip(values)
-        .map(|(spec, values)| Layer {
-            name: spec.name.into(),
-            about: spec.about,
-            data: if spec.integer { Data::U32(values.iter().map(|v| *v as u32).collect()) } else { Data::F32(values) },
-            fill: f64::from(spec.fill),
-            scale: spec.scale,
-        })
-        .collect();
-    layers.push(Layer {
-        name: "touched".into(),
-        about: "1 where a reading reached the cell",
-        data: Data::U8(touched),
-        fill: 0.0,
-        scale: Scale::Grey { low: 0.0, high: 1.0 },
-    });
-    layers.push(Layer {
-        name: "class".into(),
-        about: "1 occupied, 0 unknown, -1 empty, by the method's decision rule",
-        data: Data::I8(class),
-        fill: f64::from(Class::Unknown as i8),
-        scale: Scale::Signed { limit: 1.0 },
-    });
-    (Map { grid: *grid, method: method::name(method).into(), layers, updates }, Visits { interior, arc })
 }

@@ -1,7 +1,11 @@
 //! The backends: they run a method's passes over a batch, chunk by chunk.
 
+mod choose;
 pub mod cpu;
+pub mod dry;
 pub mod gpu;
+
+pub use choose::{Choice, Chosen, choose, gpu_required};
 
 use crate::Result;
 use crate::batch::Batch;
@@ -36,6 +40,11 @@ pub trait Backend {
         outcomes: Outcomes,
         sweep: usize,
     ) -> Result<()>;
+
+    /// Returns when all that was applied is done.
+    fn wait(&mut self) -> Result<()> {
+        Ok(())
+    }
 
     /// Hands over the cells and forgets them.
     fn finish(&mut self, method: &dyn Method) -> Result<Chunks>;

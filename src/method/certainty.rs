@@ -157,6 +157,10 @@ impl Method for Certainty {
         }
     }
 
+    fn combined(&self, layers: &[f32], _: Class) -> f32 {
+        layers[2]
+    }
+
     fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
         walk(self, pass, job, state);
     }

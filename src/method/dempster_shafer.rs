@@ -171,6 +171,10 @@ impl Method for DempsterShafer {
         }
     }
 
+    fn combined(&self, layers: &[f32], _: Class) -> f32 {
+        layers[1] - layers[0]
+    }
+
     fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
         walk(self, pass, job, state);
     }

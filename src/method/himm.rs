@@ -99,6 +99,10 @@ impl Method for Himm {
         }
     }
 
+    fn combined(&self, layers: &[f32], class: Class) -> f32 {
+        if class == Class::Occupied { layers[0] / 15.0 } else { layers[0] / 3.0 - 1.0 }
+    }
+
     fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
         walk(self, pass, job, state);
     }

@@ -94,6 +94,9 @@ pub trait Method: Send + Sync {
     /// A cell's layers and class from its words, one of each plane, the two counts first.
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class;
 
+    /// A touched cell's place in the combined picture, −1 surely empty to 1 surely occupied, from its layers.
+    fn combined(&self, layers: &[f32], class: Class) -> f32;
+
     /// Runs one pass over one tile: the CPU's half.
     fn run(&self, pass: Pass, job: &Job, state: &mut [u32]);
 

@@ -79,6 +79,10 @@ impl Method for Truth {
         }
     }
 
+    fn combined(&self, layers: &[f32], class: Class) -> f32 {
+        if class == Class::Unknown { 0.0 } else { 2.0 * layers[0] / (layers[0] + layers[1]) - 1.0 }
+    }
+
     fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
         walk(self, pass, job, state);
     }

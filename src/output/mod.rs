@@ -14,7 +14,7 @@ pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, paramet
 pub use ros::read_ros;
 pub use zarr::{StoredMap, read_map};
 
-use crate::grid::Map;
+use crate::grid::{Layer, Map};
 use crate::{Error, Result};
 use std::path::Path;
 use std::time::Instant;
@@ -23,19 +23,18 @@ use std::time::Instant;
 /// user's with [`Folder::finish`].
 ///
 /// `npy` adds one `.npy` file a layer.
-pub fn write_map(folder: &Folder, map: &Map, info: &RunInfo, npy: bool) -> Result<Report> {
+/// `combined` is drawn as `map.png`.
+pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, npy: bool) -> Result<Report> {
     let start = Instant::now();
-    check(map, info)?;
+    check(map)?;
     let place = folder.path();
     for layer in &map.layers {
-        // The combined picture is map.png, so a layer of that name is written once, below.
+        // A layer of that name is the combined one, drawn below.
         if layer.name != "map" {
             write_picture(&place.join(format!("{}.png", layer.name)), map, layer)?;
         }
     }
-    if let Some(layer) = map.layer(&info.picture) {
-        write_picture(&place.join("map.png"), map, layer)?;
-    }
+    write_picture(&place.join("map.png"), map, combined)?;
     ros::write(place, map)?;
     if npy {
         for layer in &map.layers {
@@ -50,7 +49,7 @@ pub fn write_map(folder: &Folder, map: &Map, info: &RunInfo, npy: bool) -> Resul
 }
 
 /// What every writer relies on: layers of the grid's size, names that are file names, the two layers of every map.
-fn check(map: &Map, info: &RunInfo) -> Result<()> {
+fn check(map: &Map) -> Result<()> {
     let wrong = |what: String| Err(Error::Usage(format!("the map can't be written: {what}")));
     for layer in &map.layers {
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
@@ -62,7 +61,7 @@ fn check(map: &Map, info: &RunInfo) -> Result<()> {
             return wrong(format!("layer {} holds {found} values for {cells} cells", layer.name));
         }
     }
-    for name in ["touched", "class", info.picture.as_str()] {
+    for name in ["touched", "class"] {
         if map.layer(name).is_none() {
             return wrong(format!("it has no layer {name}"));
         }

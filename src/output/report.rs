@@ -28,8 +28,6 @@ pub struct RunInfo {
     pub bad_lines: BadLines,
     /// Evidence added, where the method counts it: occupied, free (csm); or classes, then free.
     pub increments: Option<Vec<u64>>,
-    /// The layer that `map.png` shows.
-    pub picture: String,
 }
 
 /// Which log a map was made of.

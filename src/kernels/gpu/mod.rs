@@ -315,6 +315,11 @@ impl Backend for Gpu {
         Ok(())
     }
 
+    fn wait(&mut self) -> Result<()> {
+        let lost = |e| Error::NoAdapter(format!("{} stopped answering: {e}", self.found));
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(lost)
+    }
+
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
         let chunks = std::mem::take(&mut self.chunks);
         chunks.iter().map(|(place, buffer)| Ok((*place, self.read(buffer)?))).collect()

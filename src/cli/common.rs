@@ -1,0 +1,227 @@
+//! Arguments that several commands share, and what they come to.
+
+use crate::grid::GridSpec;
+use crate::kernels::Choice;
+use crate::log;
+use crate::method::settings::Settings;
+use crate::method::{self, REGISTRY};
+use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, Sensor};
+use crate::session::{Mapped, Request, Session};
+use crate::{Error, Result};
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+
+/// Kind of sensor to take from the log.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum KindArgument {
+    /// Sonar cones
+    Sonar,
+    /// Laser beams
+    Laser,
+}
+
+/// Which backend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BackendArgument {
+    /// The best hardware GPU adapter, else the CPU
+    Auto,
+    /// A GPU adapter; a software one counts
+    Gpu,
+    /// The CPU: all cores, SIMD
+    Cpu,
+    /// The f64 reference, one reading at a time
+    Oracle,
+}
+
+impl BackendArgument {
+    /// The kernels' choice; `None` for the oracle.
+    pub fn choice(self) -> Option<Choice> {
+        match self {
+            BackendArgument::Auto => Some(Choice::Auto),
+            BackendArgument::Gpu => Some(Choice::Gpu),
+            BackendArgument::Cpu => Some(Choice::Cpu),
+            BackendArgument::Oracle => None,
+        }
+    }
+}
+
+/// A log and how to map it.
+#[derive(Debug, Args)]
+pub struct LogArguments {
+    /// The log: a file, a sonar_ring_8 folder, or - for standard input; its format is found by content
+    pub log: PathBuf,
+    /// The method: certainty, dempster-shafer, bayes, himm or truth
+    #[arg(short, long, default_value = "bayes")]
+    pub method: String,
+    /// Edge of a cell, metres
+    #[arg(short, long, default_value_t = 0.05, allow_negative_numbers = true)]
+    pub resolution: f64,
+    /// Bounds x0,y0,x1,y1 in metres [default: around all that the readings reach]
+    #[arg(short, long, value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
+    pub bounds: Option<Vec<f64>>,
+    /// Take this kind of sensor from a log that has both
+    #[arg(long)]
+    pub sensor: Option<KindArgument>,
+    /// A TOML file that describes the sensors
+    #[arg(long, value_name = "FILE")]
+    pub sensor_file: Option<PathBuf>,
+    /// Set a parameter, as often as needed; lengths in metres or with mm, cm, m, angles in radians or with deg
+    #[arg(short, long = "set", value_name = "KEY=VALUE", long_help = set_help())]
+    pub set: Vec<String>,
+    /// Map only the first N used readings
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub until: Option<u64>,
+    /// Let a bad line be an error (exit code 3)
+    #[arg(long)]
+    pub strict: bool,
+    /// Readings at a time; the result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = crate::mapper::BATCH, hide_short_help = true)]
+    pub batch: usize,
+    /// Threads of the CPU's kernels; 0: one a core; the result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true)]
+    pub threads: usize,
+}
+
+/// Every key of `--set`.
+fn set_help() -> String {
+    let keys = |keys: &[method::settings::Key]| -> String {
+        keys.iter().map(|k| format!("\n    {}={} [{}]  {}", k.name, k.values, k.default, k.about)).collect()
+    };
+    let mut help = String::from("Set a parameter, as often as needed.\n\n  every method:");
+    help += &keys(OVERRIDE_KEYS);
+    for entry in REGISTRY {
+        if let Some(settings) = Settings::of(entry.name)
+            && !settings.keys().is_empty()
+        {
+            help += &format!("\n  {}:{}", entry.name, keys(settings.keys()));
+        }
+    }
+    help
+}
+
+impl LogArguments {
+    /// What they ask for.
+    pub fn request(&self) -> Result<Request> {
+        method::entry(&self.method)?;
+        let mut settings =
+            Settings::of(&self.method).ok_or_else(|| Error::Usage(format!("no method {}", self.method)))?;
+        let mut overrides = Overrides::default();
+        for text in &self.set {
+            let (key, value) = text
+                .split_once('=')
+                .ok_or_else(|| Error::Usage(format!("--set {text} has no value: write --set key=value")))?;
+            if !overrides.set(key, value)? && !settings.set(key, value)? {
+                let known: Vec<&str> = settings.keys().iter().chain(OVERRIDE_KEYS).map(|k| k.name).collect();
+                let hint = method::nearest(key, &known);
+                return Err(Error::Usage(format!("--set {text}: {} has no parameter \"{key}\"{hint}", self.method)));
+            }
+        }
+        let bounds = match self.bounds.as_deref() {
+            None => None,
+            Some(&[x0, y0, x1, y1]) => Some([x0, y0, x1, y1]),
+            Some(other) => {
+                return Err(Error::Usage(format!(
+                    "--bounds takes x0,y0,x1,y1, four numbers; here are {}",
+                    other.len()
+                )));
+            }
+        };
+        // Checked before the log is read.
+        GridSpec::from_bounds(bounds.unwrap_or([0.0, 0.0, 1.0, 1.0]), self.resolution)?;
+        let kind = self.sensor.map(|k| match k {
+            KindArgument::Sonar => Kind::Sonar,
+            KindArgument::Laser => Kind::Laser,
+        });
+        Ok(Request {
+            log: log::Options { kind, sensor_file: self.sensor_file.clone(), overrides, spool: None },
+            settings,
+            resolution: self.resolution,
+            bounds,
+            until: self.until,
+            strict: self.strict,
+        })
+    }
+
+    /// Opens the log.
+    pub fn session(&self) -> Result<Session> {
+        Session::open(&self.log, &self.request()?)
+    }
+}
+
+/// The sensors' parameters and the method's, as the report lists them: one value where all sensors agree, else all of them.
+pub fn parameters(session: &Session) -> Vec<(String, String)> {
+    let resolution = session.grid.resolution;
+    let sensors = session.sensors();
+    let numbers: [(&str, fn(&Sensor, f64) -> f64); 6] = [
+        ("beta", |s, _| s.half_width),
+        ("r_min", |s, _| s.r_min),
+        ("r_max", |s, _| s.r_max),
+        ("hit_range", |s, _| s.hit_range),
+        ("no_echo_range", |s, _| s.no_echo_range),
+        ("epsilon", |s, resolution| s.epsilon(resolution)),
+    ];
+    let mut all = vec![("resolution".to_string(), resolution.to_string())];
+    for (name, value) in numbers {
+        let values: Vec<String> = sensors.iter().map(|s| value(s, resolution).to_string()).collect();
+        let one = values.windows(2).all(|w| w[0] == w[1]);
+        all.push((name.into(), if one { values.first().cloned().unwrap_or_default() } else { values.join(" ") }));
+    }
+    let places: Vec<String> = sensors.iter().map(|s| format!("{},{}", s.x, s.y)).collect();
+    let centred = sensors.iter().all(|s| s.x == 0.0 && s.y == 0.0);
+    all.push(("mounts".into(), if centred { "none".into() } else { places.join(" ") }));
+    all.extend(session.method.settings().values().into_iter().map(|(k, v)| (k.to_string(), v)));
+    all
+}
+
+/// A progress bar over readings, on a terminal only.
+pub fn progress(session: &Session, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let readings = session.survey.counts.used * session.method.sweeps().len() as u64;
+    let bar = ProgressBar::new(readings);
+    if let Ok(style) = ProgressStyle::with_template("{msg:10} {wide_bar} {human_pos}/{human_len} readings, {eta} left")
+    {
+        bar.set_style(style);
+    }
+    bar.set_message(method::name(session.method.as_ref()));
+    bar
+}
+
+/// One line on what became of the log's readings.
+pub fn readings(mapped: &Mapped, session: &Session) -> String {
+    let c = &mapped.counts;
+    let r = c.rejected;
+    let rejected = r.below_r_min + r.not_a_number + r.negative + r.beyond_hit_range;
+    let mut text = format!("{} of {} readings of {} scans", c.used, c.read, session.survey.scans);
+    for (count, what) in [
+        (c.no_echo, "without echo"),
+        (rejected, "rejected"),
+        (c.outside, "outside the grid"),
+        (c.empty_arc, "with an empty arc"),
+        (c.wide, "wider than 1024 cells"),
+    ] {
+        if count > 0 {
+            text += &format!(", {count} {what}");
+        }
+    }
+    text
+}
+
+/// Warns of bad lines, once, with the first few.
+pub fn warn_of_bad_lines(session: &Session) {
+    let bad = &session.survey.bad_lines;
+    if bad.count > 0 {
+        eprintln!("echogrid: {}: {} bad lines were left out; the first:", session.log.path().display(), bad.count);
+        for line in &bad.first {
+            eprintln!("  {line}");
+        }
+        eprintln!("  (mend them, or use --strict to stop at the first; the exit code is 6)");
+    }
+}
+
+/// The exit code of a run that did its work.
+pub fn done(session: &Session) -> u8 {
+    if session.survey.bad_lines.count > 0 { 6 } else { 0 }
+}

@@ -1,0 +1,50 @@
+//! `echogrid compare`.
+
+use super::say;
+use crate::compare::{Options, compare, write_pictures};
+use crate::output::read_map;
+use crate::{Error, Result};
+use std::path::PathBuf;
+
+/// Arguments of `compare`.
+#[derive(Debug, clap::Args)]
+pub struct Compare {
+    /// A map's folder
+    a: PathBuf,
+    /// Another's
+    b: PathBuf,
+    /// Let values differ by so much
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    tol: f64,
+    /// Compare only the cells that both maps have
+    #[arg(long)]
+    common: bool,
+    /// If they differ, write the pictures of both and of the difference here
+    #[arg(long, value_name = "FOLDER")]
+    pictures: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Compare {
+    /// Compares the maps; 1 if they differ.
+    pub fn run(self) -> Result<u8> {
+        if !(self.tol >= 0.0 && self.tol.is_finite()) {
+            return Err(Error::Usage(format!("--tol {} is no tolerance: give 0 or more", self.tol)));
+        }
+        let (a, b) = (read_map(&self.a)?, read_map(&self.b)?);
+        let comparison = compare(&a.map, &b.map, &Options { tolerance: self.tol, common: self.common })?;
+        if self.json {
+            say!("{}", serde_json::to_string_pretty(&comparison).unwrap_or_default());
+        } else {
+            say!("{comparison}");
+        }
+        if let (false, Some(folder)) = (comparison.equal, &self.pictures) {
+            for path in write_pictures(&a.map, &b.map, &comparison, folder)? {
+                eprintln!("echogrid: see {}", path.display());
+            }
+        }
+        Ok(u8::from(!comparison.equal))
+    }
+}

@@ -1,0 +1,76 @@
+//! The command line, one file a subcommand. Exit codes: 0 done · 1 differs · 2 bad usage · 3 bad input · 4 no adapter ·
+//! 5 out of memory or space, or output not writable · 6 done, but some lines were bad.
+
+mod bench;
+mod common;
+mod compare;
+mod demo;
+mod doctor;
+mod generate;
+mod map;
+mod plan;
+mod verify;
+
+use crate::Result;
+use clap::{Parser, Subcommand};
+
+/// Prints a line; a reader that went away is no error.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
+use say;
+
+const AFTER: &str = "Exit codes: 0 done · 1 differs · 2 bad usage or parameter · 3 bad input · 4 no adapter · \
+5 out of memory or space, or output not writable · 6 done, but some lines of the log were bad (--strict: 3, nothing written)
+
+Start with `echogrid demo`, then `echogrid map LOG -o DIR`.";
+
+/// Sonar and laser logs to occupancy grids, on any GPU and on the CPU with the same result.
+#[derive(Debug, Parser)]
+#[command(name = "echogrid", version, after_help = AFTER, max_term_width = 100)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Map a log: a folder with the layers, pictures, a ROS map and a report
+    Map(map::Map),
+    /// Prove on a log that oracle, cpu and gpu agree; exit code 1 if they do not
+    Verify(verify::Verify),
+    /// Compare two saved maps, layer by layer; exit code 1 if they differ
+    Compare(compare::Compare),
+    /// Say what mapping a log would take, without doing it
+    Plan(plan::Plan),
+    /// List the GPU adapters and what each method will use; how to install a software adapter
+    Doctor(doctor::Doctor),
+    /// Drive eight sonars round a small room and map it by every method
+    Demo(demo::Demo),
+    /// Measure kernel throughput: cell updates and readings a second
+    Bench(bench::Bench),
+    /// Print shell completions: `echogrid completions bash > /etc/bash_completion.d/echogrid`
+    Completions(generate::Completions),
+    /// Write the man pages into a folder
+    Man(generate::Man),
+}
+
+impl Arguments {
+    /// Runs the command; the exit code where it did what it could.
+    pub fn run(self) -> Result<u8> {
+        match self.command {
+            Command::Map(c) => c.run(),
+            Command::Verify(c) => c.run(),
+            Command::Compare(c) => c.run(),
+            Command::Plan(c) => c.run(),
+            Command::Doctor(c) => c.run(),
+            Command::Demo(c) => c.run(),
+            Command::Bench(c) => c.run(),
+            Command::Completions(c) => c.run(),
+            Command::Man(c) => c.run(),
+        }
+    }
+}

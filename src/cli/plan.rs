@@ -1,0 +1,109 @@
+//! `echogrid plan`.
+
+use super::common::{LogArguments, done, parameters, warn_of_bad_lines};
+use super::say;
+use crate::Result;
+use crate::kernels::dry::Dry;
+use crate::memory::{self, show};
+use crate::method::{self, Step};
+
+/// Arguments of `plan`.
+#[derive(Debug, clap::Args)]
+pub struct Plan {
+    #[command(flatten)]
+    log: LogArguments,
+    /// Print the plan as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Plan {
+    /// Reads and bins the log, and says what it came to.
+    pub fn run(self) -> Result<u8> {
+        let session = self.log.session()?;
+        warn_of_bad_lines(&session);
+        let mut dry = Dry::default();
+        let method = session.method.as_ref();
+        let mut mapper = crate::mapper::Mapper::new(session.grid, session.sensors(), method, &mut dry, self.log.batch);
+        mapper.sweep(0, session.items()?)?;
+        let work = mapper.work;
+        let (grid, counts) = (&session.grid, &session.survey.counts);
+        let need = memory::needed(grid, method, self.log.batch);
+        let steps: Vec<Vec<String>> =
+            method.sweeps().iter().map(|sweep| sweep.iter().map(|s| step_name(s).to_string()).collect()).collect();
+        let busiest = dry.chunks.iter().max_by_key(|(_, load)| load.entries);
+        if self.json {
+            let chunks: Vec<_> = dry.chunks.iter().map(|(at, load)| serde_json::json!({"row": at[0], "column": at[1], "entries": load.entries, "tiles": load.tiles})).collect();
+            let plan = serde_json::json!({
+                "method": method::name(method),
+                "format": session.log.header().format,
+                "parameters": parameters(&session).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
+                "readings": counts,
+                "scans": session.survey.scans,
+                "bad_lines": session.survey.bad_lines.count,
+                "cells": {"x0": grid.x0(), "y0": grid.y0(), "resolution": grid.resolution, "width": grid.width, "height": grid.height},
+                "chunks": chunks,
+                "batches": work.batches,
+                "entries": work.entries,
+                "sweeps": steps,
+                "memory": need,
+                "available": memory::available(),
+            });
+            say!("{}", serde_json::to_string_pretty(&plan).unwrap_or_default());
+            return Ok(done(&session));
+        }
+        say!("log       {}, {} sensors", session.log.header().format, session.sensors().len());
+        say!(
+            "readings  {} used of {} in {} scans, {} bad lines, {} other lines",
+            counts.used,
+            counts.read,
+            session.survey.scans,
+            session.survey.bad_lines.count,
+            session.survey.ignored
+        );
+        say!(
+            "grid      {} × {} cells of {} m from ({:.2}, {:.2}) to ({:.2}, {:.2}) m",
+            grid.width,
+            grid.height,
+            grid.resolution,
+            grid.x0(),
+            grid.y0(),
+            grid.x0() + grid.width as f64 * grid.resolution,
+            grid.y0() + grid.height as f64 * grid.resolution
+        );
+        say!(
+            "chunks    {} reached; {} pairs of reading and tile in {} batches",
+            dry.chunks.len(),
+            work.entries,
+            work.batches
+        );
+        if let Some((at, load)) = busiest {
+            say!(
+                "          the busiest, column {} row {}, has {} pairs in {} tiles",
+                at[1],
+                at[0],
+                load.entries,
+                load.tiles
+            );
+        }
+        for (k, sweep) in steps.iter().enumerate() {
+            say!("sweep {}   {}", k + 1, sweep.join(", then "));
+        }
+        let free = memory::available().map(|f| format!(", of {} free", show(f))).unwrap_or_default();
+        say!("memory    {} at most{free}", show(need));
+        for (key, value) in parameters(&session) {
+            say!("  {key} = {value}");
+        }
+        Ok(done(&session))
+    }
+}
+
+fn step_name(step: &Step) -> &'static str {
+    match step {
+        Step::Pass(method::Pass::Weigh, _) => "weigh",
+        Step::Pass(method::Pass::Count, _) => "count",
+        Step::Pass(method::Pass::Fuse, _) => "fuse",
+        Step::Sum => "sum",
+        Step::Share => "share",
+    }
+}

@@ -1,0 +1,103 @@
+//! `echogrid verify`.
+
+use super::common::{LogArguments, done, warn_of_bad_lines};
+use super::say;
+use crate::kernels::{Choice, choose, gpu_required};
+use crate::mapper::Finished;
+use crate::verify::{Verification, check, same_bytes};
+use crate::{Error, Result, memory, method};
+use std::time::Instant;
+
+/// A backend that `verify` can run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Checked {
+    /// The f64 reference; always run
+    Oracle,
+    /// The CPU's kernels
+    Cpu,
+    /// The GPU's kernels, on the best adapter; a software one counts
+    Gpu,
+}
+
+/// Arguments of `verify`.
+#[derive(Debug, clap::Args)]
+pub struct Verify {
+    #[command(flatten)]
+    log: LogArguments,
+    /// The backends to compare with the oracle
+    #[arg(long, value_delimiter = ',', default_value = "oracle,cpu,gpu")]
+    backends: Vec<Checked>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Verify {
+    /// Compares the backends; 1 if one is not equal.
+    pub fn run(self) -> Result<u8> {
+        let session = self.log.session()?;
+        warn_of_bad_lines(&session);
+        let need = memory::needed(&session.grid, session.method.as_ref(), self.log.batch);
+        // The oracle keeps values and bounds in f64, and two maps are held beside it.
+        let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
+        memory::check(2 * need + oracle_cells + session.survey.counts.used * 200, None, &session.grid)?;
+        let started = Instant::now();
+        let oracle = session.oracle()?;
+        let mut result = Verification {
+            method: method::name(session.method.as_ref()).into(),
+            readings: session.survey.counts.used,
+            size: [session.grid.width, session.grid.height],
+            updates: oracle.updates,
+            oracle_seconds: started.elapsed().as_secs_f64(),
+            backends: Vec::new(),
+            same_bytes: None,
+            skipped: Vec::new(),
+            passed: true,
+        };
+        let mut maps: Vec<Finished> = Vec::new();
+        for (kind, choice) in [(Checked::Cpu, Choice::Cpu), (Checked::Gpu, Choice::Gpu)] {
+            if !self.backends.contains(&kind) {
+                continue;
+            }
+            let mut chosen = match choose(choice, session.method.as_ref(), self.log.threads) {
+                Ok(chosen) => chosen,
+                // What no adapter could do is no missing adapter.
+                Err(Error::NoAdapter(why)) if !gpu_required() || session.method.cpu_only().is_some() => {
+                    result.skipped.push(format!("gpu: {why}"));
+                    continue;
+                }
+                Err(e) => return Err(e),
+            };
+            let started = Instant::now();
+            let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|_| {})?;
+            let seconds = started.elapsed().as_secs_f64();
+            let counts = &mapped.counts;
+            let wrong =
+                [(counts.outside, oracle.outside), (counts.empty_arc, oracle.empty_arc), (counts.wide, oracle.wide)]
+                    .iter()
+                    .map(|(a, b)| a.abs_diff(*b))
+                    .sum();
+            let backend = (chosen.backend.name(), chosen.backend.adapter());
+            result.backends.push(check(&session, &oracle, &mapped.finished, backend, wrong, seconds)?);
+            maps.push(mapped.finished);
+        }
+        result.passed = result.backends.iter().all(|b| b.passed);
+        if let [a, b] = &maps[..] {
+            result.same_bytes = Some(same_bytes(a, b));
+        }
+        if result.backends.is_empty() {
+            let why = if result.skipped.is_empty() {
+                "only the oracle was asked for".into()
+            } else {
+                result.skipped.join("; ")
+            };
+            return Err(Error::NoAdapter(format!("there is nothing to verify: {why}; give --backends oracle,cpu")));
+        }
+        if self.json {
+            say!("{}", serde_json::to_string_pretty(&result).unwrap_or_default());
+        } else {
+            say!("{result}");
+        }
+        Ok(if result.passed { done(&session) } else { 1 })
+    }
+}

@@ -1,0 +1,51 @@
+//! A backend that only counts: what a run would be, for `plan`.
+
+use super::{Backend, Chunks, Outcomes};
+use crate::Result;
+use crate::batch::Batch;
+use crate::layout::Frame;
+use crate::method::Method;
+use std::collections::BTreeMap;
+
+/// What one chunk would get.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Load {
+    /// (Cone, tile) pairs.
+    pub entries: u64,
+    /// Tiles reached, counted anew in each batch.
+    pub tiles: u64,
+}
+
+/// Counts batches' loads, by chunk row and column.
+#[derive(Debug, Default)]
+pub struct Dry {
+    /// The chunks that readings reach.
+    pub chunks: BTreeMap<[u32; 2], Load>,
+}
+
+impl Backend for Dry {
+    fn name(&self) -> &'static str {
+        "none"
+    }
+
+    fn adapter(&self) -> String {
+        String::new()
+    }
+
+    fn entry_limit(&self) -> usize {
+        usize::MAX
+    }
+
+    fn apply(&mut self, _: &dyn Method, _: Frame, batch: &Batch, _: Outcomes, _: usize) -> Result<()> {
+        for list in &batch.chunks {
+            let load = self.chunks.entry([list.place[1], list.place[0]]).or_default();
+            load.entries += list.entries.len() as u64;
+            load.tiles += list.tiles.len() as u64;
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
+        Ok(Chunks::new())
+    }
+}

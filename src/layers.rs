@@ -1,0 +1,113 @@
+//! Taking the layers out of the cells' words, or out of the oracle's values: the same layers for every backend.
+
+use crate::grid::{Class, Data, GridSpec, Layer, Map, Scale};
+use crate::kernels::Chunks;
+use crate::layout::{CHUNK, TILE, TILE_CELLS};
+use crate::mapper::{Finished, Visits};
+use crate::method::{self, Method};
+use crate::oracle::OracleMap;
+
+/// Layers under way: every cell untouched.
+struct Layers<'a> {
+    grid: &'a GridSpec,
+    method: &'a dyn Method,
+    values: Vec<Vec<f32>>,
+    combined: Vec<f32>,
+    touched: Vec<u8>,
+    class: Vec<i8>,
+    visits: Visits,
+}
+
+impl<'a> Layers<'a> {
+    fn new(grid: &'a GridSpec, method: &'a dyn Method) -> Self {
+        let cells = grid.cells();
+        Layers {
+            grid,
+            method,
+            values: method.layers().iter().map(|s| vec![s.fill; cells]).collect(),
+            combined: vec![0.0; cells],
+            touched: vec![0; cells],
+            class: vec![0; cells],
+            visits: Visits { interior: vec![0; cells], arc: vec![0; cells] },
+        }
+    }
+
+    /// Sets a touched cell.
+    fn set(&mut self, k: usize, visits: [u32; 2], values: &[f32], class: Class) {
+        self.touched[k] = 1;
+        self.class[k] = class as i8;
+        self.combined[k] = self.method.combined(values, class);
+        (self.visits.interior[k], self.visits.arc[k]) = (visits[0], visits[1]);
+        for (layer, value) in self.values.iter_mut().zip(values) {
+            layer[k] = *value;
+        }
+    }
+
+    fn finish(self) -> Finished {
+        let visits = self.visits;
+        let updates = visits.interior.iter().chain(&visits.arc).map(|n| u64::from(*n)).sum();
+        let layer = |name: &str, about, data, fill, scale| Layer { name: name.into(), about, data, fill, scale };
+        let data = |integer: bool, values: Vec<f32>| match integer {
+            true => Data::U32(values.iter().map(|v| *v as u32).collect()),
+            false => Data::F32(values),
+        };
+        let (signed, flag) = (Scale::Signed { limit: 1.0 }, Scale::Grey { low: 0.0, high: 1.0 });
+        let mut layers: Vec<Layer> = (self.method.layers().iter().zip(self.values))
+            .map(|(s, values)| layer(s.name, s.about, data(s.integer, values), f64::from(s.fill), s.scale))
+            .collect();
+        let touched = "1 where a reading reached the cell";
+        layers.push(layer("touched", touched, Data::U8(self.touched), 0.0, flag));
+        let class = "1 occupied, 0 unknown, -1 empty, by the method's decision rule";
+        layers.push(layer("class", class, Data::I8(self.class), 0.0, signed));
+        let combined = "-1 surely empty to 1 surely occupied";
+        Finished {
+            map: Map { grid: *self.grid, method: method::name(self.method).into(), layers, updates },
+            combined: layer("combined", combined, Data::F32(self.combined), 0.0, signed),
+            visits,
+        }
+    }
+}
+
+/// The map of a kernel's chunks.
+pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Finished {
+    let mut layers = Layers::new(grid, method);
+    let mut cell = vec![0u32; method::planes(method)];
+    let mut values = vec![0f32; method.layers().len()];
+    for (place, state) in chunks {
+        for (slot, tile) in state.chunks_exact(method::tile_words(method)).enumerate() {
+            let x0 = (place[1] as usize * CHUNK + slot % CHUNK) * TILE;
+            let y0 = (place[0] as usize * CHUNK + slot / CHUNK) * TILE;
+            for y in y0..(y0 + TILE).min(grid.height) {
+                for x in x0..(x0 + TILE).min(grid.width) {
+                    let at = (y - y0) * TILE + x - x0;
+                    if tile[at] + tile[TILE_CELLS + at] == 0 {
+                        continue;
+                    }
+                    for (p, word) in cell.iter_mut().enumerate() {
+                        *word = tile[p * TILE_CELLS + at];
+                    }
+                    let class = method.values(&cell, &mut values);
+                    layers.set(y * grid.width + x, [cell[0], cell[1]], &values, class);
+                }
+            }
+        }
+    }
+    layers.finish()
+}
+
+/// The map of the oracle's values.
+pub fn from_oracle(oracle: &OracleMap, method: &dyn Method) -> Finished {
+    let mut layers = Layers::new(&oracle.grid, method);
+    for k in 0..oracle.grid.cells() {
+        if oracle.is_touched(k) {
+            let values: Vec<f32> = oracle.layers.iter().map(|l| l.values[k] as f32).collect();
+            let class = match oracle.class[k] {
+                1 => Class::Occupied,
+                0 => Class::Unknown,
+                _ => Class::Empty,
+            };
+            layers.set(k, [oracle.interior[k], oracle.arc[k]], &values, class);
+        }
+    }
+    layers.finish()
+}

@@ -1,0 +1,82 @@
+//! What a run will need, checked before it is taken.
+
+use crate::grid::GridSpec;
+use crate::layout::{CHUNK, TILE};
+use crate::method::{self, Method};
+use crate::{Error, Result};
+
+/// A size in bytes from its text: a number with KiB, MiB, GiB, TiB, kB, MB, GB, TB or B.
+pub fn parse(text: &str) -> std::result::Result<u64, String> {
+    const UNITS: [(&str, f64); 9] = [
+        ("KiB", 1024.0),
+        ("MiB", 1048576.0),
+        ("GiB", 1073741824.0),
+        ("TiB", 1099511627776.0),
+        ("kB", 1e3),
+        ("MB", 1e6),
+        ("GB", 1e9),
+        ("TB", 1e12),
+        ("B", 1.0),
+    ];
+    let (unit, scale) = UNITS.iter().find(|(unit, _)| text.ends_with(unit)).copied().unwrap_or(("", 1.0));
+    match text[..text.len() - unit.len()].trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value * scale < 1e18 => Ok((value * scale) as u64),
+        _ => Err(format!("{text} is not a size: give a number with a unit, such as 4GiB or 500MB")),
+    }
+}
+
+/// A size for people.
+pub fn show(bytes: u64) -> String {
+    match bytes as f64 {
+        b if b < 1e6 => format!("{:.0} KiB", b / 1024.0),
+        b if b < 1e9 => format!("{:.0} MiB", b / 1048576.0),
+        b => format!("{:.1} GiB", b / 1073741824.0),
+    }
+}
+
+/// Memory that the system would give now, bytes, where it tells.
+pub fn available() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|l| l.starts_with("MemAvailable:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib * 1024)
+}
+
+/// What mapping takes at most, bytes: every chunk of the grid, its layers, one batch.
+pub fn needed(grid: &GridSpec, method: &dyn Method, batch: usize) -> u64 {
+    let edge = TILE * CHUNK;
+    let chunks = (grid.width.div_ceil(edge) * grid.height.div_ceil(edge)) as u64;
+    let state = chunks * (method::tile_words(method) * CHUNK * CHUNK * 4) as u64;
+    // Layers and the combined one in f32, two counts, touched, class; then a copy of a layer to write.
+    let layers = grid.cells() as u64 * (4 * (method.layers().len() as u64 + 1) + 8 + 2 + 4);
+    // A cone, and some 40 tiles with it, twice while they are merged.
+    state + layers + batch as u64 * (80 + 40 * 2 * 16)
+}
+
+/// Fails where a run needs more than the cap, or than the machine has.
+pub fn check(needed: u64, cap: Option<u64>, grid: &GridSpec) -> Result<()> {
+    let (limit, whose) = match (cap, available()) {
+        (Some(cap), _) if needed > cap => (cap, "--memory allows"),
+        (_, Some(free)) if needed > free => (free, "this machine has free"),
+        _ => return Ok(()),
+    };
+    let (width, height, resolution) = (grid.width, grid.height, grid.resolution);
+    Err(Error::Resources(format!(
+        "a map of {width} × {height} cells of {resolution} m needs {} and {whose} {}: give smaller --bounds or a coarser \
+         --resolution",
+        show(needed),
+        show(limit)
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn sizes() {
+        assert_eq!(super::parse("4GiB"), Ok(4 << 30));
+        assert_eq!(super::parse("1.5 kB"), Ok(1500));
+        assert_eq!(super::parse("1024"), Ok(1024));
+        for bad in ["", "GiB", "-1MB", "4 gigs", "nan"] {
+            assert!(super::parse(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! A log, a method and a grid, checked before the long run; the readings to map, as often as a method sweeps over them.
+
+use crate::grid::GridSpec;
+use crate::kernels::Backend;
+use crate::layers;
+use crate::log::{self, Log, Problem};
+use crate::mapper::{Finished, Item, Mapper, Work};
+use crate::method::settings::Settings;
+use crate::method::{self, Method};
+use crate::oracle::{self, OracleMap};
+use crate::reading::{Counts, Reading, Record, judge};
+use crate::sensor::{Kind, Sensor};
+use crate::survey::{Survey, survey};
+use crate::wedge;
+use crate::{Error, Result};
+use std::collections::VecDeque;
+
+/// What to map, and how.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// How to read the log.
+    pub log: log::Options,
+    /// The method and its parameters.
+    pub settings: Settings,
+    /// Edge of a cell, metres.
+    pub resolution: f64,
+    /// x0, y0, x1, y1 in metres; `None`: around all that the readings reach.
+    pub bounds: Option<[f64; 4]>,
+    /// Only the first so many used readings.
+    pub until: Option<u64>,
+    /// A bad line is an error.
+    pub strict: bool,
+}
+
+/// An open log, surveyed, with its grid.
+pub struct Session {
+    /// The log.
+    pub log: Log,
+    /// The method.
+    pub method: Box<dyn Method>,
+    /// The grid.
+    pub grid: GridSpec,
+    /// What a first pass over the log found.
+    pub survey: Survey,
+    until: u64,
+}
+
+/// A map and what came with it.
+#[derive(Debug, Clone)]
+pub struct Mapped {
+    /// The map.
+    pub finished: Finished,
+    /// What became of the log's records.
+    pub counts: Counts,
+    /// What the batches came to.
+    pub work: Work,
+}
+
+impl Session {
+    /// Opens a log and looks through it once.
+    ///
+    /// # Errors
+    /// The log's and the parameters' errors; [`Error::Input`] for a log without a usable reading, and for the first bad
+    /// line where the request is strict.
+    pub fn open(path: &std::path::Path, request: &Request) -> Result<Session> {
+        let mut options = request.log.clone();
+        if request.settings == Settings::Truth {
+            options.kind = options.kind.or(Some(Kind::Laser));
+            let limits = &mut options.overrides;
+            limits.r_min = limits.r_min.or(Some(0.05));
+            limits.r_max = limits.r_max.or(Some(20.0));
+            limits.hit_range = limits.hit_range.or(limits.r_max);
+        }
+        let log = Log::open(path, &options)?;
+        let sensors = &log.header().sensors;
+        if request.settings == Settings::Truth && sensors.iter().any(|s| s.kind != Kind::Laser) {
+            return Err(Error::Usage(format!(
+                "method truth takes the nearest beam of laser scans, and {} has sonars: give a laser log, or --sensor laser",
+                path.display()
+            )));
+        }
+        // Given bounds are checked before the log is read through.
+        let given = request.bounds.map(|b| GridSpec::from_bounds(b, request.resolution)).transpose()?;
+        let until = request.until.unwrap_or(u64::MAX);
+        let survey = survey(&log, request.resolution, until)?;
+        if let (true, Some(first)) = (request.strict, survey.bad_lines.first.first()) {
+            return Err(Error::input(
+                path,
+                format!("{first} ({} bad lines; --strict takes none)", survey.bad_lines.count),
+            ));
+        }
+        if survey.counts.used == 0 {
+            return Err(Error::input(path, nothing_to_map(&survey.counts, survey.bad_lines.count)));
+        }
+        let grid = match given {
+            Some(grid) => grid,
+            None => GridSpec::around(survey.covered, request.resolution).map_err(|e| survey.explain(e, path))?,
+        };
+        Ok(Session { log, method: method::make(request.settings), grid, survey, until })
+    }
+
+    /// The log's sensors.
+    pub fn sensors(&self) -> &[Sensor] {
+        &self.log.header().sensors
+    }
+
+    /// The readings to map, in log order, bad lines and unused records left out.
+    pub fn items(&self) -> Result<impl Iterator<Item = Result<Item>> + '_> {
+        Ok(Items {
+            records: self.log.records()?,
+            sensors: self.sensors(),
+            wedges: self.method.settings() == Settings::Truth,
+            scan: Vec::new(),
+            ready: VecDeque::new(),
+        }
+        .take(usize::try_from(self.until).unwrap_or(usize::MAX)))
+    }
+
+    /// Every reading at once, and their wedges: what the oracle takes.
+    pub fn all(&self) -> Result<(Vec<Reading>, Option<Vec<(f64, f64)>>)> {
+        let items: Vec<Item> = self.items()?.collect::<Result<_>>()?;
+        let readings = items.iter().map(|i| i.0).collect();
+        Ok((readings, items.iter().map(|i| i.1).collect()))
+    }
+
+    /// Maps the log on a backend, `batch` readings at a time; `progress` hears of each reading.
+    pub fn map(&self, backend: &mut dyn Backend, batch: usize, progress: &dyn Fn(u64)) -> Result<Mapped> {
+        let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch);
+        for sweep in 0..self.method.sweeps().len() {
+            mapper.sweep(sweep, self.items()?.inspect(|_| progress(1)))?;
+        }
+        let (reached, work) = (mapper.counts, mapper.work);
+        let finished = mapper.finish()?;
+        let Counts { outside, empty_arc, wide, .. } = reached;
+        Ok(Mapped { finished, counts: Counts { outside, empty_arc, wide, ..self.survey.counts }, work })
+    }
+
+    /// Maps the log by the f64 oracle, one reading at a time.
+    pub fn oracle(&self) -> Result<OracleMap> {
+        let (readings, wedges) = self.all()?;
+        oracle::map(&self.grid, self.sensors(), &readings, &self.method.settings(), wedges.as_deref())
+    }
+
+    /// The oracle's map as every other backend gives it.
+    pub fn oracle_map(&self) -> Result<Mapped> {
+        let map = self.oracle()?;
+        let counts = Counts { outside: map.outside, empty_arc: map.empty_arc, wide: map.wide, ..self.survey.counts };
+        Ok(Mapped { finished: layers::from_oracle(&map, self.method.as_ref()), counts, work: Work::default() })
+    }
+}
+
+fn nothing_to_map(counts: &Counts, bad: u64) -> String {
+    let r = counts.rejected;
+    format!(
+        "has no reading to map: {} read, {} without echo, {} nearer than r_min, {} beyond hit_range, {} negative, {} not a \
+         number, {bad} bad lines; check --sensor and the sensor's ranges (--set r_min=…, hit_range=…)",
+        counts.read, counts.no_echo, r.below_r_min, r.beyond_hit_range, r.negative, r.not_a_number
+    )
+}
+
+/// Records judged, and where they are wanted given their wedges, a scan at a time.
+struct Items<'a> {
+    records: log::Records,
+    sensors: &'a [Sensor],
+    wedges: bool,
+    scan: Vec<Record>,
+    ready: VecDeque<Item>,
+}
+
+impl Items<'_> {
+    /// Readies the scan that is complete.
+    fn release(&mut self) {
+        let edges = wedge::edges(&self.scan, self.sensors);
+        for (record, edges) in self.scan.drain(..).zip(edges) {
+            if let Ok(reading) = judge(record, &self.sensors[record.sensor as usize]) {
+                self.ready.push_back((reading, Some(edges)));
+            }
+        }
+    }
+}
+
+impl Iterator for Items<'_> {
+    type Item = Result<Item>;
+
+    fn next(&mut self) -> Option<Result<Item>> {
+        loop {
+            if let Some(item) = self.ready.pop_front() {
+                return Some(Ok(item));
+            }
+            match self.records.next() {
+                None if self.scan.is_empty() => return None,
+                None => self.release(),
+                Some(Err(Problem::Fatal(e))) => return Some(Err(e)),
+                Some(Err(Problem::Line(_))) => {}
+                Some(Ok(record)) if self.wedges => {
+                    if self.scan.last().is_some_and(|last| last.scan != record.scan) {
+                        self.release();
+                    }
+                    self.scan.push(record);
+                }
+                Some(Ok(record)) => {
+                    if let Ok(reading) = judge(record, &self.sensors[record.sensor as usize]) {
+                        return Some(Ok((reading, None)));
+                    }
+                }
+            }
+        }
+    }
+}

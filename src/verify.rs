@@ -1,0 +1,253 @@
+//! Proves the backends equal on a user's own log: each against the f64 oracle, cell by cell.
+//!
+//! Membership must not differ in a single cell; every layer must keep within the bound that the oracle derives for each
+//! cell; a class may differ only where the cell stands on a decision boundary, within those bounds.
+
+use crate::Result;
+use crate::mapper::Finished;
+use crate::oracle::{OracleMap, cells_of};
+use crate::session::Session;
+use serde::Serialize;
+use std::fmt;
+
+/// A cell that is worth a look.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cell {
+    /// Column, from the left.
+    pub column: usize,
+    /// Row, from the bottom.
+    pub row: usize,
+    /// World x of its centre, metres.
+    pub x: f64,
+    /// World y of its centre, metres.
+    pub y: f64,
+    /// The oracle's value.
+    pub oracle: f64,
+    /// The backend's.
+    pub value: f64,
+    /// The last readings that reached it: line of the log, range in metres.
+    pub last_readings: Vec<(u64, f64)>,
+}
+
+/// One layer of one backend against the oracle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LayerCheck {
+    /// The layer.
+    pub layer: String,
+    /// Its largest difference.
+    pub largest: f64,
+    /// The bound where it is.
+    pub bound: f64,
+    /// Cells beyond their bound: must be 0.
+    pub beyond: u64,
+    /// The cell that comes nearest to its bound, or is farthest beyond it; none where all are equal.
+    pub worst: Option<Cell>,
+}
+
+/// One backend against the oracle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BackendCheck {
+    /// cpu or gpu.
+    pub backend: String,
+    /// What it ran on.
+    pub adapter: String,
+    /// Cells whose interior or arc updates differ in number: must be 0.
+    pub membership: u64,
+    /// The first of them.
+    pub membership_cell: Option<Cell>,
+    /// Readings counted otherwise (outside, empty_arc, wide): must be 0.
+    pub counts: u64,
+    /// Each layer.
+    pub layers: Vec<LayerCheck>,
+    /// Cells whose class differs.
+    pub class: u64,
+    /// Of those, cells that do not stand on a decision boundary: must be 0.
+    pub class_wrong: u64,
+    /// Cell updates.
+    pub updates: u64,
+    /// Seconds from the log to the map.
+    pub seconds: f64,
+    /// Whether all that must hold does.
+    pub passed: bool,
+}
+
+/// What `verify` found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verification {
+    /// The method.
+    pub method: String,
+    /// Readings mapped.
+    pub readings: u64,
+    /// Cells of the grid: columns, rows.
+    pub size: [usize; 2],
+    /// Cell updates by the oracle.
+    pub updates: u64,
+    /// The oracle's seconds.
+    pub oracle_seconds: f64,
+    /// Each backend.
+    pub backends: Vec<BackendCheck>,
+    /// Whether cpu and gpu gave the same bytes in every layer, where both ran.
+    pub same_bytes: Option<bool>,
+    /// Backends that were asked for and could not run, and why.
+    pub skipped: Vec<String>,
+    /// Whether every backend passed.
+    pub passed: bool,
+}
+
+/// Checks a backend's map against the oracle's. `wrong_counts`: readings that the two counted otherwise.
+pub fn check(
+    session: &Session,
+    oracle: &OracleMap,
+    finished: &Finished,
+    backend: (&str, String),
+    wrong_counts: u64,
+    seconds: f64,
+) -> Result<BackendCheck> {
+    let visits = &finished.visits;
+    let cell = |k: usize, oracle: f64, value: f64| -> Result<Cell> {
+        let (column, row) = (k % session.grid.width, k / session.grid.width);
+        let (x, y) = session.grid.centre(column, row);
+        Ok(Cell { column, row, x, y, oracle, value, last_readings: last_readings(session, column, row)? })
+    };
+    let differs = |k: &usize| visits.interior[*k] != oracle.interior[*k] || visits.arc[*k] != oracle.arc[*k];
+    let members: Vec<usize> = (0..oracle.grid.cells()).filter(differs).collect();
+    let total = |interior: u32, arc: u32| f64::from(interior) + f64::from(arc);
+    let membership_cell = members
+        .first()
+        .map(|&k| cell(k, total(oracle.interior[k], oracle.arc[k]), total(visits.interior[k], visits.arc[k])))
+        .transpose()?;
+    let mut layers = Vec::new();
+    for reference in &oracle.layers {
+        let data = finished.map.layer(reference.name).map(|l| &l.data);
+        let mut found = LayerCheck { layer: reference.name.into(), largest: 0.0, bound: 0.0, beyond: 0, worst: None };
+        let mut worst = (0.0, None);
+        for (k, (&value, &bound)) in reference.values.iter().zip(&reference.bound).enumerate() {
+            let ours = data.map_or(f64::NAN, |d| d.get(k));
+            let difference = (ours - value).abs();
+            // Not a number is beyond every bound.
+            let within = difference <= bound;
+            found.beyond += u64::from(!within);
+            if !within || difference > found.largest {
+                (found.largest, found.bound) = (difference.max(found.largest), bound);
+            }
+            let ratio = if difference == 0.0 { 0.0 } else { difference / bound };
+            if ratio > worst.0 || (!within && worst.1.is_none()) {
+                worst = (ratio, Some((k, value, ours)));
+            }
+        }
+        found.worst = worst.1.map(|(k, value, ours)| cell(k, value, ours)).transpose()?;
+        layers.push(found);
+    }
+    let (mut class, mut class_wrong) = (0, 0);
+    let classes = finished.map.layer("class").map(|l| &l.data);
+    for (k, &reference) in oracle.class.iter().enumerate() {
+        if classes.map_or(f64::NAN, |d| d.get(k)) != f64::from(reference) {
+            class += 1;
+            class_wrong += u64::from(!oracle.ambiguous[k]);
+        }
+    }
+    let passed = members.is_empty() && wrong_counts == 0 && class_wrong == 0 && layers.iter().all(|l| l.beyond == 0);
+    Ok(BackendCheck {
+        backend: backend.0.into(),
+        adapter: backend.1,
+        membership: members.len() as u64,
+        membership_cell,
+        counts: wrong_counts,
+        layers,
+        class,
+        class_wrong,
+        updates: finished.map.updates,
+        seconds,
+        passed,
+    })
+}
+
+/// Whether two maps hold the same bytes.
+pub fn same_bytes(a: &Finished, b: &Finished) -> bool {
+    let same = |k: usize| {
+        let (a, b) = (&a.map.layers[k].data, &b.map.layers[k].data);
+        a.len() == b.len() && (0..a.len()).all(|k| a.get(k).to_bits() == b.get(k).to_bits())
+    };
+    a.map.layers.len() == b.map.layers.len() && (0..a.map.layers.len()).all(same) && a.visits == b.visits
+}
+
+/// The last three readings that reached a cell: line of the log and range.
+fn last_readings(session: &Session, column: usize, row: usize) -> Result<Vec<(u64, f64)>> {
+    const LAST: usize = 3;
+    let (readings, wedges) = session.all()?;
+    let (x, y) = session.grid.centre(column, row);
+    let mut last = Vec::new();
+    for (k, reading) in readings.iter().enumerate().rev() {
+        let sensor = &session.sensors()[reading.record.sensor as usize];
+        let pose = reading.record.pose;
+        let reach = reading.range + sensor.epsilon(session.grid.resolution) + 3.0 * session.grid.resolution;
+        if (x - pose.x).hypot(y - pose.y) > reach {
+            continue;
+        }
+        let wedge = wedges.as_ref().map(|w| w[k]);
+        let cells = cells_of(&session.grid, sensor, reading, &session.method.settings(), wedge)?;
+        if cells.iter().any(|c| (c.column, c.row) == (column, row)) {
+            last.push((reading.record.line, reading.range));
+            if last.len() == LAST {
+                break;
+            }
+        }
+    }
+    Ok(last)
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Cell { column, row, x, y, oracle, value, .. } = self;
+        write!(f, "cell ({column}, {row}) at ({x:.3}, {y:.3}) m: oracle {oracle:.9}, here {value:.9}")?;
+        let lines: Vec<String> = self.last_readings.iter().map(|(line, z)| format!("{line} ({z:.2} m)")).collect();
+        if !lines.is_empty() {
+            write!(f, "; last readings on lines {}", lines.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Verification {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [width, height] = self.size;
+        let (method, readings, updates) = (&self.method, self.readings, self.updates);
+        writeln!(f, "{method}: {readings} readings, {width} × {height} cells, {updates} cell updates")?;
+        writeln!(f, "oracle  f64, one reading at a time ({:.2} s)", self.oracle_seconds)?;
+        for b in &self.backends {
+            writeln!(f, "{:<7} {} ({:.2} s)", b.backend, b.adapter, b.seconds)?;
+            writeln!(f, "  membership differences  {}", b.membership)?;
+            if let Some(cell) = &b.membership_cell {
+                writeln!(f, "    {cell}")?;
+            }
+            if b.counts > 0 {
+                writeln!(f, "  readings counted otherwise  {}", b.counts)?;
+            }
+            for l in &b.layers {
+                let beyond =
+                    if l.beyond > 0 { format!("  {} CELLS BEYOND THEIR BOUND", l.beyond) } else { String::new() };
+                writeln!(
+                    f,
+                    "  {:<10} largest difference {:.3e}, bound there {:.3e}{beyond}",
+                    l.layer, l.largest, l.bound
+                )?;
+                if let Some(cell) = &l.worst {
+                    writeln!(f, "    nearest to its bound: {cell}")?;
+                }
+            }
+            let boundary = if b.class > 0 {
+                format!(", {} of them on a decision boundary", b.class - b.class_wrong)
+            } else {
+                String::new()
+            };
+            writeln!(f, "  cells whose class differs  {}{boundary}", b.class)?;
+        }
+        if let Some(same) = self.same_bytes {
+            writeln!(f, "cpu and gpu: {}", if same { "the same bytes in every layer" } else { "not the same bytes" })?;
+        }
+        for why in &self.skipped {
+            writeln!(f, "SKIPPED {why}")?;
+        }
+        write!(f, "{}", if self.passed { "equal" } else { "NOT EQUAL" })
+    }
+}
