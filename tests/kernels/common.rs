@@ -6,7 +6,7 @@ use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::kernels::gpu::shader::Kernel;
 use echogrid::kernels::gpu::{Gpu, Options};
-use echogrid::mapper::{BATCH, Item, Mapper, Visits, Work};
+use echogrid::mapper::{BATCH, Finished, Item, Mapper, Visits, Work};
 use echogrid::method::settings::Settings;
 use echogrid::method::{self, Method, Step};
 use echogrid::oracle::{self, OracleMap};
@@ -47,7 +47,7 @@ impl Scene {
             mapper.sweep(sweep, self.items.iter().map(|i| Ok(item(i)))).unwrap();
         }
         let (counts, work) = (mapper.counts, mapper.work);
-        let (map, visits) = mapper.finish().unwrap();
+        let Finished { map, visits, .. } = mapper.finish().unwrap();
         Run { map, visits, counts, work }
     }
 

@@ -70,7 +70,12 @@ fn twenty_thousand_readings() {
 fn ragged_grids_and_sensors_outside() {
     let scene = scenes::ragged();
     let oracle = scene.oracle(settings("bayes"));
-    assert!(oracle.outside > 50 && oracle.empty_arc > 50, "{} outside, {} without arc", oracle.outside, oracle.empty_arc);
+    assert!(
+        oracle.outside > 50 && oracle.empty_arc > 50,
+        "{} outside, {} without arc",
+        oracle.outside,
+        oracle.empty_arc
+    );
     all_agree(&scene, cone_settings());
 }
 

@@ -4,8 +4,12 @@ use crate::common::{Scene, against_oracle, gpu, kernels_of, patched_gpu, setting
 use crate::scenes;
 use echogrid::compare::{self, compare};
 use echogrid::kernels::gpu::shader::source;
+use echogrid::log::{self, Writer};
 use echogrid::mapper::BATCH;
 use echogrid::method;
+use echogrid::reading::{Outcome, Record};
+use echogrid::session::{Request, Session};
+use echogrid::verify;
 use std::collections::BTreeMap;
 
 /// A change of the source, the methods that must notice, and where.
@@ -208,7 +212,8 @@ const FAULTS: &[Fault] = &[
         what: "far readings go the near way",
         from: "if (cone.flags & WIDE) != 0u",
         to: "if (cone.flags & WIDE) == 77u",
-        methods: &["certainty", "dempster-shafer", "bayes", "himm"],
+        // Not himm: near the axis its differences of products are small, and come out right modulo 2³².
+        methods: CONES,
         scene: scenes::wide,
     },
     Fault {
@@ -256,7 +261,7 @@ const FAULTS: &[Fault] = &[
     Fault {
         what: "the logarithm's polynomial is cut short",
         from: "(0.29925594 * w + 0.399748) * w + 0.6666682",
-        to: "0.399748 * w + 0.6666682",
+        to: "0.6666682",
         methods: &["dempster-shafer-murphy", "bayes"],
         scene: few,
     },
@@ -348,4 +353,52 @@ fn a_failure_says_where_and_leaves_pictures() {
         assert!(picture.is_file(), "{}", picture.display());
     }
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// `echogrid verify` itself: passes as it is, and fails with a fault in the kernels.
+#[test]
+fn verify_rejects_faults() {
+    let mut scene = few();
+    scene.sensors.iter_mut().enumerate().for_each(|(k, s)| s.id = k.to_string());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.jsonl");
+    let mut writer = Writer::new(Vec::new(), &scene.sensors, &[]).unwrap();
+    for (k, (reading, _)) in scene.items.iter().enumerate() {
+        let missing = reading.outcome == Outcome::NoEcho;
+        let range = if missing { f64::INFINITY } else { reading.range };
+        writer.write(&Record { range, scan: k as u64, ..reading.record }).unwrap();
+    }
+    std::fs::write(&path, writer.finish().unwrap()).unwrap();
+    for (what, from, to) in [
+        ("nothing", "", ""),
+        ("a dropped reading", "k < tile.entries.y; k++", "k + 1u < tile.entries.y; k++"),
+        ("an arc cut short", "(d2 <= vec4<i32>(outer))", "(d2 <= vec4<i32>(outer - outer / 50))"),
+        ("a wrong product", "bitcast<vec4<u32>>(cells.clear)", "bitcast<vec4<u32>>(cells.clear * 0.999)"),
+    ] {
+        let patches: &[(&str, &str)] = if from.is_empty() { &[] } else { &[(from, to)] };
+        let Some(mut gpu) = patched_gpu(patches) else { return };
+        let request = Request {
+            log: log::Options::default(),
+            settings: settings("certainty"),
+            resolution: 0.1,
+            bounds: Some([0.0, 0.0, 3.7, 5.3]),
+            until: None,
+            strict: true,
+        };
+        let session = Session::open(&path, &request).unwrap();
+        let oracle = session.oracle().unwrap();
+        let mapped = session.map(&mut gpu, BATCH, &|_| {}).unwrap();
+        let wrong = u64::from(
+            (mapped.counts.outside, mapped.counts.empty_arc, mapped.counts.wide)
+                != (oracle.outside, oracle.empty_arc, oracle.wide),
+        );
+        let adapter = gpu.found().to_string();
+        let check = verify::check(&session, &oracle, &mapped.finished, ("gpu", adapter), wrong, 0.0).unwrap();
+        assert_eq!(check.passed, from.is_empty(), "{what}: {check:?}");
+        if !check.passed {
+            let named =
+                check.membership_cell.is_some() || check.layers.iter().any(|l| l.beyond > 0 && l.worst.is_some());
+            assert!(named, "{what}: no cell is named: {check:?}");
+        }
+    }
 }

@@ -39,8 +39,7 @@ fn classes(name: &str, run: &Run, oracle: &OracleMap, want: (i64, i64)) {
     let class = &run.map.layer("class").unwrap().data;
     let count = |class: i8| oracle.class.iter().filter(|c| **c == class).count() as i64;
     assert_eq!((count(1), count(-1)), want, "{name}: the oracle's classes");
-    let differ: Vec<usize> =
-        (0..oracle.class.len()).filter(|&k| class.get(k) != f64::from(oracle.class[k])).collect();
+    let differ: Vec<usize> = (0..oracle.class.len()).filter(|&k| class.get(k) != f64::from(oracle.class[k])).collect();
     assert!(differ.len() <= 3, "{name}: {} cells are decided otherwise than by the oracle", differ.len());
     for &k in &differ {
         assert!(oracle.ambiguous[k], "{name}: {} is on no boundary", place(&oracle.grid, k));

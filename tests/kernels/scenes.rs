@@ -6,6 +6,8 @@ use echogrid::log::{Log, Options};
 use echogrid::mapper::Item;
 use echogrid::reading::{Outcome, Pose, Reading, Record, judge};
 use echogrid::sensor::{Kind, Sensor};
+use echogrid::snap::Edges;
+use echogrid::wedge;
 
 /// xorshift64*: the same numbers everywhere.
 pub struct Random(u64);
@@ -55,8 +57,7 @@ pub fn laser(half_width_deg: f64, r_max: f64) -> Sensor {
 
 pub fn reading(sensor: usize, pose: (f64, f64, f64), range: f64, outcome: Outcome) -> Reading {
     let pose = Pose { x: pose.0, y: pose.1, heading: pose.2 };
-    let record =
-        Record { t: 0.0, scan: 0, sensor: sensor as u32, robot: pose, pose, range, label: None, line: 1 };
+    let record = Record { t: 0.0, scan: 0, sensor: sensor as u32, robot: pose, pose, range, label: None, line: 1 };
     Reading { record, outcome, range }
 }
 
@@ -104,7 +105,7 @@ pub fn crowd() -> Scene {
 /// A grid of neither whole tiles nor chunks, with sensors in and around it, some too far to reach it.
 pub fn ragged() -> Scene {
     let sensors = mixed();
-    let readings = random(2, 600, [-6.0, -6.0, 9.7, 11.3], &sensors, 0.2);
+    let readings = random(2, 600, [-1.5, -1.5, 5.2, 6.8], &sensors, 0.2);
     let ragged = scene("ragged", bounds([0.0, 0.0, 3.7, 5.3], 0.1), sensors, readings);
     assert_eq!((ragged.grid.width, ragged.grid.height), (37, 53));
     ragged
@@ -126,8 +127,8 @@ pub fn wide() -> Scene {
     laser.no_echo_range = 70.0;
     let mut broad = sonar(60.0, 0.3, 30.0);
     broad.no_echo_range = 0.0;
-    let sensors = vec![far, laser, broad];
-    let mut readings = random(5, 250, [-2.0, -2.0, 6.0, 5.0], &sensors, 0.2);
+    let sensors = vec![far, laser.clone(), broad, Sensor { r_max: 600.0, hit_range: 600.0, ..laser }];
+    let mut readings = random(5, 250, [-2.0, -2.0, 6.0, 5.0], &sensors[..3], 0.2);
     // From afar, so that arcs lie in the grid too.
     let mut r = Random::new(6);
     for k in 0..500 {
@@ -137,12 +138,23 @@ pub fn wide() -> Scene {
         let z = (d + r.within(-2.0, 2.0)).min(if k % 3 == 2 { 30.0 } else { 60.0 });
         readings.push(reading(k % 3, (x, y, aim), z, Outcome::Hit));
     }
+    // So far that even products of a coordinate and a direction leave 32 bits.
+    for _ in 0..60 {
+        let (bearing, d) = (r.within(0.0, std::f64::consts::TAU), r.within(200.0, 590.0));
+        let (x, y) = (r.within(0.0, 4.0) + d * bearing.cos(), r.within(0.0, 3.0) + d * bearing.sin());
+        readings.push(reading(3, (x, y, bearing + std::f64::consts::PI), d + r.within(-1.0, 2.0), Outcome::Hit));
+    }
     // On round numbers, where arcs pass through cell centres exactly.
     for k in 0..200 {
         let place = (0.01 + 0.02 * f64::from(r.below(200)), 0.01 + 0.02 * f64::from(r.below(150)));
         let (heading, d) = (std::f64::consts::FRAC_PI_2 * f64::from(k % 4), 25.0 + f64::from(k / 4));
         let from = [(-d, 0.0), (0.0, -d), (d, 0.0), (0.0, d)][k as usize % 4];
-        readings.push(reading(1, (place.0 + from.0, place.1 + from.1, heading), d + 0.02 * f64::from(k % 3), Outcome::Hit));
+        readings.push(reading(
+            1,
+            (place.0 + from.0, place.1 + from.1, heading),
+            d + 0.02 * f64::from(k % 3),
+            Outcome::Hit,
+        ));
     }
     scene("wide", bounds([0.0, 0.0, 4.0, 3.0], 0.02), sensors, readings)
 }
@@ -256,16 +268,13 @@ pub fn real_lasers(step: u64) -> Option<Scene> {
     let path = data("sonar_ring_8/test1")?;
     let log = Log::open(&path, &Options { kind: Some(Kind::Laser), ..Options::default() }).unwrap();
     let sensors = log.header().sensors.clone();
-    let records = log.records().unwrap().map(|r| r.unwrap()).filter(|r| r.scan % step == 0);
-    let readings: Vec<Reading> = records.filter_map(|r| judge(r, &sensors[r.sensor as usize]).ok()).collect();
-    assert!(readings.len() > 1000);
+    let records: Vec<Record> = log.records().unwrap().map(|r| r.unwrap()).filter(|r| r.scan % step == 0).collect();
+    let scans = records.chunk_by(|a, b| a.scan == b.scan);
+    let beams = scans.flat_map(|scan| scan.iter().copied().zip(wedge::edges(scan, &sensors)));
+    let used = |(r, edges): (Record, Edges)| Some((judge(r, &sensors[r.sensor as usize]).ok()?, Some(edges)));
+    let items: Vec<Item> = beams.filter_map(used).collect();
+    assert!(items.len() > 1000);
+    let readings: Vec<Reading> = items.iter().map(|i| i.0).collect();
     let grid = around(&sensors, &readings, 0.05);
-    // To the bisectors of half a degree's spacing; the last of a scan as wide as the others.
-    let half = 0.25f64.to_radians();
-    let with_wedge = |r: Reading| {
-        let h = r.record.pose.heading;
-        (r, Some((h + half, h - half)))
-    };
-    let items = readings.into_iter().map(with_wedge).collect();
     Some(Scene { name: "sonar_ring_8-test1 laser".into(), grid, sensors, items })
 }
