@@ -204,6 +204,16 @@ fn twins_name_each_other() {
         let twin = named(first, "twin of src/", ".rs");
         assert_eq!(twin.len(), 1, "{name}: its first line must name its twin: {first}");
         let rust = text(twin[0].strip_prefix("twin of ").unwrap());
+        // `(names)` after the path are functions or types of that file.
+        let parts = first.split_once(".rs (").map_or("", |(_, rest)| rest.split(')').next().unwrap());
+        for part in parts.split(", ").filter(|p| !p.is_empty()) {
+            let defined = ["fn", "struct"].iter().any(|kind| {
+                let text = format!("{kind} {part}");
+                rust.match_indices(&text)
+                    .any(|(at, _)| !rust[at + text.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_'))
+            });
+            assert!(defined, "{name}: {} has no {part}", twin[0]);
+        }
         let folder = format!("`{}/*.wgsl`", name.rsplit_once('/').unwrap().0);
         let doc: Vec<&str> = rust.lines().filter(|l| l.starts_with("//")).collect();
         let doc = doc.join("\n");
