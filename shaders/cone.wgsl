@@ -24,10 +24,7 @@ fn dot_4(a: vec2<i32>, x: vec4<i32>, y: i32) -> vec4<i32> {
 }
 
 // Classifies the four cells whose first centre lies at v from the sensor.
-fn cone_row(cone: Cone, v: vec2<i32>) -> Row {
-    if (cone.flags & WIDE) != 0u {
-        return wide_row(cone, v);
-    }
+fn narrow_row(cone: Cone, v: vec2<i32>) -> Row {
     let left_limit = -i32((cone.flags & HALF_OPEN) != 0u);
     let laser = vec4<bool>((cone.flags & LASER) != 0u);
     let inner = cone.reach.x * cone.reach.x;
@@ -52,26 +49,8 @@ fn cone_row(cone: Cone, v: vec2<i32>) -> Row {
     return row;
 }
 
-// A row that is interior throughout: no test.
-fn inside_row(cone: Cone, v: vec2<i32>) -> Row {
-    if (cone.flags & WIDE) != 0u {
-        return wide_row(cone, v);
-    }
-    let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
-    var row: Row;
-    row.interior = vec4<bool>(true);
-    row.arc = vec4<bool>(false);
-    row.d2 = vec4<f32>(x * x + v.y * v.y);
-    row.across = vec4<f32>(abs(cross_4(cone.axis, x, v.y)));
-    row.along = vec4<f32>(dot_4(cone.axis, x, v.y));
-    return row;
-}
-
 // HIMM's row: the cells on the acoustic axis before the hit (interior) and the hit cell (arc).
-fn axis_row(cone: Cone, v: vec2<i32>) -> Row {
-    if (cone.flags & WIDE) != 0u {
-        return wide_axis_row(cone, v);
-    }
+fn narrow_axis_row(cone: Cone, v: vec2<i32>) -> Row {
     let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
     let y = vec4<i32>(v.y);
     let steep = abs(cone.axis.y) > abs(cone.axis.x);

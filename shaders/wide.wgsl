@@ -58,7 +58,7 @@ fn wide_float(a: vec2<u32>) -> f32 {
     return f32(a.y) * 4294967296.0 + f32(a.x);
 }
 
-// cone_row in 64 bits.
+// narrow_row in 64 bits.
 fn wide_row(cone: Cone, first: vec2<i32>) -> Row {
     let left_limit = wide_from(-i32((cone.flags & HALF_OPEN) != 0u));
     let laser = (cone.flags & LASER) != 0u;
@@ -85,7 +85,7 @@ fn wide_row(cone: Cone, first: vec2<i32>) -> Row {
     return row;
 }
 
-// axis_row in 64 bits.
+// narrow_axis_row in 64 bits.
 fn wide_axis_row(cone: Cone, first: vec2<i32>) -> Row {
     let steep = abs(cone.axis.y) > abs(cone.axis.x);
     let c = select(cone.axis.x, cone.axis.y, steep);
@@ -108,4 +108,18 @@ fn wide_axis_row(cone: Cone, first: vec2<i32>) -> Row {
         row.arc[k] = hit && !silent;
     }
     return row;
+}
+
+fn cone_row(cone: Cone, v: vec2<i32>) -> Row {
+    if (cone.flags & WIDE) != 0u {
+        return wide_row(cone, v);
+    }
+    return narrow_row(cone, v);
+}
+
+fn axis_row(cone: Cone, v: vec2<i32>) -> Row {
+    if (cone.flags & WIDE) != 0u {
+        return wide_axis_row(cone, v);
+    }
+    return narrow_axis_row(cone, v);
 }

@@ -8,10 +8,10 @@ use crate::layout::*;
 /// 16 cells of a row: the vector from the sensor to each centre, in integers, and each one's region.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
-    /// Freed by the reading.
-    pub interior: [bool; TILE],
-    /// On its arc.
-    pub arc: [bool; TILE],
+    /// Freed by the reading: 1 or 0.
+    pub interior: [u32; TILE],
+    /// On its arc: 1 or 0.
+    pub arc: [u32; TILE],
     /// Squared distance from the sensor, units².
     pub d2: [f32; TILE],
     /// |cross(axis, v)|.
@@ -42,7 +42,6 @@ pub fn cone_row(cone: &Cone, v: [i32; 2]) -> Option<Row> {
     let laser = cone.flags & LASER != 0;
     let (inner, outer) = (cone.reach[0] * cone.reach[0], cone.reach[1] * cone.reach[1]);
     let mut row = Row::EMPTY;
-    let mut any = false;
     for k in 0..TILE {
         let v = [v[0] + CELL * k as i32, v[1]];
         let d2 = dot(v, v);
@@ -50,14 +49,57 @@ pub fn cone_row(cone: &Cone, v: [i32; 2]) -> Option<Row> {
         let wedge = (cross(cone.left, v) <= left_limit) & (cross(cone.right, v) >= 0) & (along >= 0);
         let band = laser & (across.abs() <= CELL / 2 * DIRECTION) & (along >= 0) & (along <= cone.reach[1] * DIRECTION);
         let inside = wedge | band;
-        row.interior[k] = inside & (d2 < inner);
-        row.arc[k] = inside & (d2 >= inner) & (d2 <= outer);
+        row.interior[k] = u32::from(inside & (d2 < inner));
+        row.arc[k] = u32::from(inside & (d2 >= inner) & (d2 <= outer));
         row.d2[k] = d2 as f32;
         row.across[k] = across.abs() as f32;
         row.along[k] = along as f32;
-        any |= row.interior[k] | row.arc[k];
     }
-    any.then_some(row)
+    row.any().then_some(row)
+}
+
+/// Which rows of a tile a cone may touch, and which lie wholly in its interior: one bit a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rows {
+    /// May have a member.
+    pub some: u32,
+    /// Interior throughout.
+    pub all: u32,
+}
+
+/// Looks at a tile's rows from their ends alone; `v` is its first cell's centre from the sensor.
+///
+/// The edges and the circles are convex: a row has members only if an end lies inside an edge and the nearest point within
+/// reach, and it is interior if both its ends are.
+#[inline(always)]
+pub fn rows(cone: &Cone, v: [i32; 2], axis_only: bool) -> Rows {
+    if cone.flags & WIDE != 0 {
+        return Rows { some: 0xffff, all: 0 };
+    }
+    let (x0, x1) = (v[0], v[0] + CELL * (TILE as i32 - 1));
+    let near = 0.clamp(x0, x1);
+    let far = x0.abs().max(x1.abs());
+    let left_limit = -i32::from(cone.flags & HALF_OPEN != 0);
+    let band = axis_only || cone.flags & LASER != 0;
+    let half = CELL / 2 * DIRECTION;
+    let (inner, outer) = (cone.reach[0] * cone.reach[0], cone.reach[1] * cone.reach[1]);
+    let (mut some, mut all) = ([0u32; TILE], [0u32; TILE]);
+    for y in 0..TILE {
+        let vy = v[1] + CELL * y as i32;
+        let left = [cross(cone.left, [x0, vy]), cross(cone.left, [x1, vy])];
+        let right = [cross(cone.right, [x0, vy]), cross(cone.right, [x1, vy])];
+        let along = [dot(cone.axis, [x0, vy]), dot(cone.axis, [x1, vy])];
+        let across = [cross(cone.axis, [x0, vy]), cross(cone.axis, [x1, vy])];
+        let ahead = along[0].max(along[1]) >= 0;
+        let wedge = (left[0].min(left[1]) <= left_limit) & (right[0].max(right[1]) >= 0) & ahead;
+        let strip = band & (across[0].min(across[1]) <= half) & (across[0].max(across[1]) >= -half);
+        let reached = near * near + vy * vy <= outer;
+        some[y] = u32::from((strip | (wedge & reached)) & !(axis_only & !strip));
+        let both = (left[0].max(left[1]) <= left_limit) & (right[0].min(right[1]) >= 0) & (along[0].min(along[1]) >= 0);
+        all[y] = u32::from(both & !axis_only & (far * far + vy * vy < inner));
+    }
+    let bits = |flags: [u32; TILE]| (0..TILE).fold(0, |bits, y| bits | (flags[y] << y));
+    Rows { some: bits(some), all: bits(all) }
 }
 
 /// A row that is interior throughout: no test.
@@ -66,7 +108,7 @@ pub fn inside_row(cone: &Cone, v: [i32; 2]) -> Row {
     if cone.flags & WIDE != 0 {
         return wide_row(cone, v).unwrap_or(Row::EMPTY);
     }
-    let mut row = Row { interior: [true; TILE], ..Row::EMPTY };
+    let mut row = Row { interior: [1; TILE], ..Row::EMPTY };
     for k in 0..TILE {
         let v = [v[0] + CELL * k as i32, v[1]];
         row.d2[k] = dot(v, v) as f32;
@@ -80,7 +122,6 @@ pub fn inside_row(cone: &Cone, v: [i32; 2]) -> Row {
 #[inline(always)]
 pub fn axis_row(cone: &Cone, v: [i32; 2]) -> Option<Row> {
     let mut row = Row::EMPTY;
-    let mut any = false;
     for k in 0..TILE {
         let (before, hit) = if cone.flags & WIDE == 0 {
             on_axis(cone.axis, cone.reach[0], [v[0] + CELL * k as i32, v[1]])
@@ -89,11 +130,10 @@ pub fn axis_row(cone: &Cone, v: [i32; 2]) -> Option<Row> {
         };
         // Without an echo the last cell is empty too.
         let silent = cone.flags & NO_ECHO != 0;
-        row.interior[k] = before | (hit & silent);
-        row.arc[k] = hit & !silent;
-        any |= before | hit;
+        row.interior[k] = u32::from(before | (hit & silent));
+        row.arc[k] = u32::from(hit & !silent);
     }
-    any.then_some(row)
+    row.any().then_some(row)
 }
 
 /// Whether a cell lies on the axis before the hit, and whether it is the hit cell (SPEC: c is the axis' larger component).
@@ -112,15 +152,22 @@ fn on_axis(axis: [i32; 2], range: i32, v: [i32; 2]) -> (bool, bool) {
 impl Row {
     /// No cell at all.
     pub const EMPTY: Row =
-        Row { interior: [false; TILE], arc: [false; TILE], d2: [0.0; TILE], across: [0.0; TILE], along: [0.0; TILE] };
+        Row { interior: [0; TILE], arc: [0; TILE], d2: [0.0; TILE], across: [0.0; TILE], along: [0.0; TILE] };
 
     /// Leaves out the columns that lie beyond the grid.
     #[inline(always)]
     pub fn clip(&mut self, columns: usize) {
         for k in 0..TILE {
-            self.interior[k] &= k < columns;
-            self.arc[k] &= k < columns;
+            let within = u32::from(k < columns);
+            self.interior[k] &= within;
+            self.arc[k] &= within;
         }
+    }
+
+    /// Whether any cell is a member.
+    #[inline(always)]
+    fn any(&self) -> bool {
+        (0..TILE).fold(0, |any, k| any | self.interior[k] | self.arc[k]) != 0
     }
 }
 
@@ -134,18 +181,17 @@ fn float(magnitude: u64) -> f32 {
 #[inline(never)]
 fn wide_row(cone: &Cone, v: [i32; 2]) -> Option<Row> {
     let mut row = Row::EMPTY;
-    let mut any = false;
     for k in 0..TILE {
         let v = [v[0] + CELL * k as i32, v[1]];
         let at = Wide::of(cone, v);
-        row.interior[k] = at.inside & (at.d2 < at.inner);
-        row.arc[k] = at.inside & (at.d2 >= at.inner) & (at.d2 <= at.outer);
+        let (interior, arc) = at.regions();
+        row.interior[k] = u32::from(interior);
+        row.arc[k] = u32::from(arc);
         row.d2[k] = float(at.d2 as u64);
         row.across[k] = float(at.across.unsigned_abs());
         row.along[k] = float(at.along.max(0) as u64);
-        any |= row.interior[k] | row.arc[k];
     }
-    any.then_some(row)
+    row.any().then_some(row)
 }
 
 /// Membership of one cell in 64 bits; also what the host asks of single cells.

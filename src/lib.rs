@@ -2,6 +2,7 @@
 //! the same result. The modules stand in the order of the data: a *log* gives *readings*, a *batch* says which tiles they
 //! reach, a *method* runs on one of the *kernels*, the *grid* holds its layers, *output* writes them.
 
+pub mod world;
 pub mod sensor;
 pub mod log;
 pub mod reading;
@@ -20,6 +21,8 @@ pub mod survey;
 pub mod session;
 pub mod memory;
 pub mod verify;
+pub mod workload;
+pub mod throughput;
 pub mod grid;
 pub mod output;
 pub mod compare;

@@ -25,6 +25,7 @@ pub struct Mapper<'a> {
     method: &'a dyn Method,
     backend: &'a mut dyn Backend,
     batch: usize,
+    counting: bool,
     /// What became of the readings: `outside`, `empty_arc` and `wide` are counted here.
     pub counts: Counts,
     /// Tiles, cones in tiles, chunks: what the batches came to.
@@ -52,7 +53,26 @@ impl<'a> Mapper<'a> {
         batch: usize,
     ) -> Self {
         let batch = batch.max(1);
-        Mapper { grid, sensors, method, backend, batch, counts: Counts::default(), work: Work::default() }
+        Mapper {
+            grid,
+            sensors,
+            method,
+            backend,
+            batch,
+            counting: true,
+            counts: Counts::default(),
+            work: Work::default(),
+        }
+    }
+
+    /// Leaves `outside`, `empty_arc` and `wide` uncounted: for benchmarks of the kernels alone.
+    pub fn without_counts(self) -> Self {
+        Mapper { counting: false, ..self }
+    }
+
+    /// Returns when all that was applied is done.
+    pub fn wait(&mut self) -> Result<()> {
+        self.backend.wait()
     }
 
     /// One sweep over the log: `items` are its readings in order, the same in every sweep.
@@ -101,7 +121,7 @@ impl<'a> Mapper<'a> {
             self.apply(sweep, first)?;
             return self.apply(sweep, last);
         }
-        if sweep == 0 {
+        if sweep == 0 && self.counting {
             self.counts.outside += misses;
             self.count(&batch);
         }

@@ -15,6 +15,18 @@ const LOG: [f32; 4] = [2.0, 0.666_668_2, 0.399_748, 0.299_255_94];
 /// ln 2.
 const LN_2: f32 = std::f32::consts::LN_2;
 
+/// The larger; one instruction where `f32::max` takes three to mind NaN.
+#[inline(always)]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller, likewise.
+#[inline(always)]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
 /// Distance of each cell, metres, and its off-axis angle over β (0 for a laser).
 #[inline(always)]
 pub fn polar(frame: &Frame, cone: &Cone, row: &Row) -> ([f32; TILE], [f32; TILE]) {
@@ -22,7 +34,7 @@ pub fn polar(frame: &Frame, cone: &Cone, row: &Row) -> ([f32; TILE], [f32; TILE]
     for k in 0..TILE {
         let d = row.d2[k].sqrt();
         // tan(θ/2) = |a × v| / (|a||v| + a·v): no cancellation anywhere, and one division.
-        let t = row.across[k] / (cone.shape[0] * d + row.along[k]).max(1.0);
+        let t = row.across[k] / max(cone.shape[0] * d + row.along[k], 1.0);
         distance[k] = d * frame.scale;
         turn[k] = angle(t) * cone.shape[1];
     }
@@ -52,5 +64,5 @@ pub fn log(x: f32) -> f32 {
 /// Murphy's ½[(R − d)/R + (β − θ)/β] (2000, expressions 11.1 and 11.2), R the sensor's maximum range.
 #[inline(always)]
 pub fn murphy(per_range: f32, d: f32, turn: f32) -> f32 {
-    0.5 * ((1.0 - (d * per_range).min(1.0)) + (1.0 - turn).max(0.0))
+    0.5 * ((1.0 - min(d * per_range, 1.0)) + max(1.0 - turn, 0.0))
 }

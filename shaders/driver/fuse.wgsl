@@ -17,14 +17,8 @@ fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var k = tile.entries.x; k < tile.entries.y; k++) {
         let entry = entries[k];
         let cone = cones[entry.cone >> ENTRY_SHIFT];
-        let v = centre - cone.sensor;
-        var row: Row;
-        if (entry.cone & INSIDE) != 0u {
-            row = inside_row(cone, v);
-        } else {
-            row = member_row(cone, v);
-            clip(&row, columns);
-        }
+        var row = member_row(cone, centre - cone.sensor);
+        clip(&row, columns);
         if (cone.flags & NO_ECHO) != 0u {
             row.arc = vec4<bool>(false);
         }

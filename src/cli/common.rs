@@ -225,3 +225,22 @@ pub fn warn_of_bad_lines(session: &Session) {
 pub fn done(session: &Session) -> u8 {
     if session.survey.bad_lines.count > 0 { 6 } else { 0 }
 }
+
+impl LogArguments {
+    /// A log with every default.
+    pub fn plain(log: &std::path::Path) -> LogArguments {
+        LogArguments {
+            log: log.into(),
+            method: "bayes".into(),
+            resolution: 0.05,
+            bounds: None,
+            sensor: None,
+            sensor_file: None,
+            set: Vec::new(),
+            until: None,
+            strict: false,
+            batch: crate::mapper::BATCH,
+            threads: 0,
+        }
+    }
+}

@@ -10,7 +10,7 @@ use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
-use crate::profile::{log, murphy, polar};
+use crate::profile::{log, max, min, murphy, polar};
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
 
@@ -35,8 +35,8 @@ const MOST: f32 = 0.98;
 fn evidence(frame: &Frame, near: f32, arc: bool) -> f32 {
     let [max_occ, floor_one, floor_two, _] = frame.constants[0];
     // Region I: P(s|occupied); region II: P(s|empty).
-    let p = if arc { (near * max_occ).max(floor_one) } else { near.max(floor_two) };
-    let p = p.clamp(LEAST, MOST);
+    let p = if arc { max(near * max_occ, floor_one) } else { max(near, floor_two) };
+    let p = min(max(p, LEAST), MOST);
     let l = log(p / (1.0 - p));
     if arc { l } else { -l }
 }
@@ -70,15 +70,15 @@ impl Kernel for Bayes {
         if frame.constants[0][3] != 0.0 {
             let [hit, miss, ..] = frame.constants[1];
             for k in 0..TILE {
-                let l = if row.arc[k] { hit } else { miss };
-                odds[k] += if row.interior[k] | row.arc[k] { l } else { 0.0 };
+                let l = if row.arc[k] != 0 { hit } else { miss };
+                odds[k] += if row.interior[k] | row.arc[k] != 0 { l } else { 0.0 };
             }
             return;
         }
         let (d, turn) = polar(frame, cone, row);
         for k in 0..TILE {
-            let l = evidence(frame, murphy(cone.profile[0], d[k], turn[k]), row.arc[k]);
-            odds[k] += if row.interior[k] | row.arc[k] { l } else { 0.0 };
+            let l = evidence(frame, murphy(cone.profile[0], d[k], turn[k]), row.arc[k] != 0);
+            odds[k] += if row.interior[k] | row.arc[k] != 0 { l } else { 0.0 };
         }
     }
 }

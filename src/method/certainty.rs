@@ -13,7 +13,7 @@ use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
 use crate::layout::{COUNT, Cone, FREE, Frame, OCCUPY, TILE};
-use crate::profile::polar;
+use crate::profile::{max, min, polar};
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
 
@@ -44,9 +44,9 @@ pub struct Cells {
 /// 1 − Emp_k, without cancellation: Emp_k = (1 − p²)(1 − t²), p = (d − r_min)/(R − ε − r_min), t = θ/β.
 #[inline(always)]
 fn not_emp(profile: [f32; 4], d: f32, turn: f32) -> f32 {
-    let p = (d - profile[0]).max(0.0) * profile[1];
-    let p2 = (p * p).min(1.0);
-    let t2 = (turn * turn).min(1.0);
+    let p = max(d - profile[0], 0.0) * profile[1];
+    let p2 = min(p * p, 1.0);
+    let t2 = min(turn * turn, 1.0);
     p2 + t2 * (1.0 - p2)
 }
 
@@ -54,7 +54,7 @@ fn not_emp(profile: [f32; 4], d: f32, turn: f32) -> f32 {
 #[inline(always)]
 fn occ(profile: [f32; 4], d: f32, turn: f32) -> f32 {
     let e = (d - profile[2]) * profile[3];
-    (1.0 - e * e).max(0.0) * (1.0 - turn * turn).max(0.0)
+    max(1.0 - e * e, 0.0) * max(1.0 - turn * turn, 0.0)
 }
 
 const GREY: Scale = Scale::Grey { low: 0.0, high: 1.0 };
@@ -92,9 +92,9 @@ impl Kernel for Certainty {
         for k in 0..TILE {
             let open = cells.open[k] * not_emp(cone.profile, d[k], turn[k]);
             let open = if open < CERTAIN { 0.0 } else { open };
-            cells.open[k] = if row.interior[k] & free { open } else { cells.open[k] };
+            cells.open[k] = if (row.interior[k] != 0) & free { open } else { cells.open[k] };
             let occupied = occ(cone.profile, d[k], turn[k]) * cells.open[k];
-            evidence[k] = if row.arc[k] { occupied } else { 0.0 };
+            evidence[k] = if row.arc[k] != 0 { occupied } else { 0.0 };
         }
         evidence
     }
@@ -107,7 +107,7 @@ impl Kernel for Certainty {
         }
         let normaliser = f32::from_bits(share[0]);
         for k in 0..TILE {
-            cells.clear[k] *= (1.0 - evidence[k] * normaliser).max(0.0);
+            cells.clear[k] *= max(1.0 - evidence[k] * normaliser, 0.0);
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
-use crate::profile::{log, murphy, polar};
+use crate::profile::{log, max, min, murphy, polar};
 use crate::reading::Outcome;
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
@@ -48,10 +48,10 @@ fn weight(m: f32) -> u32 {
 
 /// 64-bit sum += addend, where `on`.
 #[inline(always)]
-fn add(sum: &mut [[u32; TILE]; 2], addend: [[u32; TILE]; 2], on: [bool; TILE]) {
+fn add(sum: &mut [[u32; TILE]; 2], addend: [[u32; TILE]; 2], on: [u32; TILE]) {
     for k in 0..TILE {
-        let low = sum[0][k].wrapping_add(if on[k] { addend[0][k] } else { 0 });
-        let high = if on[k] { addend[1][k] } else { 0 } + u32::from(low < sum[0][k]);
+        let low = sum[0][k].wrapping_add(if on[k] != 0 { addend[0][k] } else { 0 });
+        let high = if on[k] != 0 { addend[1][k] } else { 0 } + u32::from(low < sum[0][k]);
         sum[0][k] = low;
         sum[1][k] = sum[1][k].wrapping_add(high);
     }
@@ -98,8 +98,8 @@ impl Kernel for DempsterShafer {
         let (mut low, mut high) = ([0; TILE], [0; TILE]);
         for k in 0..TILE {
             let near = murphy(cone.profile[0], d[k], turn[k]);
-            let m = if row.arc[k] { near * max_occ } else { near };
-            let w = weight(m.clamp(0.0, cap));
+            let m = if row.arc[k] != 0 { near * max_occ } else { near };
+            let w = weight(min(max(m, 0.0), cap));
             low[k] = w << 16;
             high[k] = w >> 16;
         }

@@ -61,8 +61,8 @@ impl Kernel for Himm {
         for k in 0..TILE {
             let less = cells[k].max(ONE) - ONE;
             let more = (cells[k] + HIT).min(MOST);
-            cells[k] = if row.interior[k] { less } else { cells[k] };
-            cells[k] = if row.arc[k] { more } else { cells[k] };
+            cells[k] = if row.interior[k] != 0 { less } else { cells[k] };
+            cells[k] = if row.arc[k] != 0 { more } else { cells[k] };
         }
     }
 }
@@ -100,7 +100,7 @@ impl Method for Himm {
     }
 
     fn combined(&self, layers: &[f32], class: Class) -> f32 {
-        if class == Class::Occupied { layers[0] / 15.0 } else { layers[0] / 3.0 - 1.0 }
+        if class == Class::Occupied { 0.4 + (layers[0] - 3.0) / 20.0 } else { layers[0] / 3.0 - 1.0 }
     }
 
     fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {

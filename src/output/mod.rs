@@ -6,12 +6,14 @@ mod npy;
 mod png;
 mod report;
 mod ros;
+mod working;
 mod zarr;
 
 pub use folder::Folder;
 pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, parameters, peak_memory};
 pub use ros::read_ros;
+pub use working::write_working;
 pub use zarr::{StoredMap, read_map};
 
 use crate::grid::{Layer, Map};

@@ -31,10 +31,10 @@ pub fn apply(frame: Frame, batch: &Batch, chunks: &mut Chunks) {
                 let Some(row) = axis_row(cone, v) else { continue };
                 for k in 0..TILE {
                     let cell = [cell[0] + k as u32, cell[1]];
-                    if row.interior[k] {
+                    if row.interior[k] != 0 {
                         update(chunks, frame, cell, 0, |count| count.max(ONE) - ONE);
                     }
-                    if row.arc[k] && cone.flags & NO_ECHO == 0 {
+                    if row.arc[k] != 0 && cone.flags & NO_ECHO == 0 {
                         hit = Some(cell);
                     }
                 }

@@ -1,6 +1,6 @@
 //! The drivers of the CPU's passes: a tile's list of readings, in log order, row by row; twins of `shaders/driver/*.wgsl`.
 
-use crate::cone::{Row, axis_row, cone_row, inside_row};
+use crate::cone::{Row, Rows, axis_row, cone_row, inside_row, rows};
 use crate::layout::*;
 use crate::method::Pass;
 use fearless_simd::{Level, dispatch};
@@ -61,94 +61,135 @@ pub fn walk<K: Kernel>(kernel: &K, pass: Pass, job: &Job, state: &mut [u32]) {
     }
 }
 
-/// Calls `each` with every row of the tile that a cone of the list touches, in log order.
-#[inline(always)]
-fn rows<K: Kernel>(job: &Job, arcs_only: bool, keep_no_echo: bool, mut each: impl FnMut(&Entry, &Cone, usize, Row)) {
-    let [width, height] = job.frame.size;
-    let columns = (width - job.tile.corner[0]) as usize;
-    let height = (height - job.tile.corner[1]) as usize;
-    for entry in job.entries {
-        if arcs_only && entry.cone & ARC == 0 {
-            continue;
+/// A tile and the part of it that lies in the grid.
+struct Place {
+    corner: [i32; 2],
+    columns: usize,
+    rows: usize,
+}
+
+impl Place {
+    #[inline(always)]
+    fn of(job: &Job) -> Place {
+        let [width, height] = job.frame.size;
+        let [x, y] = job.tile.corner;
+        Place { corner: [x as i32, y as i32], columns: (width - x) as usize, rows: TILE.min((height - y) as usize) }
+    }
+
+    /// The first cell's centre from the sensor.
+    #[inline(always)]
+    fn first(&self, cone: &Cone) -> [i32; 2] {
+        [0, 1].map(|k| CELL * self.corner[k] + CELL / 2 - cone.sensor[k])
+    }
+
+    /// The rows to look at.
+    #[inline(always)]
+    fn rows<K: Kernel>(&self, entry: &Entry, cone: &Cone) -> Rows {
+        if entry.cone & INSIDE != 0 {
+            return Rows { some: 0xffff, all: 0xffff };
         }
-        let cone = &job.cones[entry.index()];
-        let first = [0, 1].map(|k| CELL * job.tile.corner[k] as i32 + CELL / 2 - cone.sensor[k]);
-        for y in 0..TILE.min(height) {
-            let v = [first[0], first[1] + CELL * y as i32];
-            let row = if entry.cone & INSIDE != 0 {
-                Some(inside_row(cone, v))
-            } else if K::AXIS {
-                axis_row(cone, v)
-            } else {
-                cone_row(cone, v)
-            };
-            let Some(mut row) = row else { continue };
-            if columns < TILE {
-                row.clip(columns);
-            }
-            if cone.flags & NO_ECHO != 0 && !keep_no_echo {
-                row.arc = [false; TILE];
-            }
-            each(entry, cone, y, row);
+        let Rows { some, all } = rows(cone, self.first(cone), K::AXIS);
+        Rows { some: some & (0xffff >> (TILE - self.rows)), all }
+    }
+
+    /// Row `y` of the tile as the cone sees it; `None` if it has no cell there.
+    #[inline(always)]
+    fn row<K: Kernel>(&self, all: u32, cone: &Cone, y: usize, keep_no_echo: bool) -> Option<Row> {
+        let first = self.first(cone);
+        let v = [first[0], first[1] + CELL * y as i32];
+        let mut row = if all >> y & 1 != 0 {
+            inside_row(cone, v)
+        } else if K::AXIS {
+            axis_row(cone, v)?
+        } else {
+            cone_row(cone, v)?
+        };
+        if self.columns < TILE {
+            row.clip(self.columns);
         }
+        if cone.flags & NO_ECHO != 0 && !keep_no_echo {
+            row.arc = [0; TILE];
+        }
+        Some(row)
     }
 }
 
 /// Updates the tile's cells.
 #[inline(always)]
 fn fuse<K: Kernel>(kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
+    let place = Place::of(job);
     let (counts, planes) = state.split_at_mut(2 * TILE);
-    let counting = job.frame.mode & COUNT != 0;
-    rows::<K>(job, false, false, |_, cone, y, row| {
-        if counting {
-            for k in 0..TILE {
-                counts[y][k] += u32::from(row.interior[k]);
-                counts[TILE + y][k] += u32::from(row.arc[k]);
-            }
-        }
-        let mut cells = K::load(planes, y);
+    // Copies, so that they live in registers.
+    let frame = &{ *job.frame };
+    let counting = frame.mode & COUNT != 0;
+    for entry in job.entries {
+        let cone = &{ job.cones[entry.index()] };
         let share = job.shares.get(cone.index as usize).copied().unwrap_or_default();
-        kernel.fuse(job.frame, cone, &row, &share, &mut cells);
-        K::store(&cells, planes, y);
-    });
+        let Rows { mut some, all } = place.rows::<K>(entry, cone);
+        while some != 0 {
+            let y = some.trailing_zeros() as usize;
+            some &= some - 1;
+            let Some(row) = place.row::<K>(all, cone, y, false) else { continue };
+            if counting {
+                for k in 0..TILE {
+                    counts[y][k] += row.interior[k];
+                    counts[TILE + y][k] += row.arc[k];
+                }
+            }
+            let mut cells = K::load(planes, y);
+            kernel.fuse(frame, cone, &row, &share, &mut cells);
+            K::store(&cells, planes, y);
+        }
+    }
 }
 
 /// Sums each reading's evidence on the tile's part of its arc: down the columns, then across.
 #[inline(always)]
 fn weigh<K: Kernel>(kernel: &K, job: &Job, state: &[[u32; TILE]]) {
+    let place = Place::of(job);
+    let frame = &{ *job.frame };
     let mut planes = state[2 * TILE..].to_vec();
-    let mut columns = [0.0f32; TILE];
-    let mut open: Option<u32> = None;
-    let finish = |slot: Option<u32>, columns: &mut [f32; TILE]| {
-        if let Some(slot) = slot {
-            let group = |g: usize| (columns[g] + columns[g + 1]) + (columns[g + 2] + columns[g + 3]);
+    for entry in job.entries {
+        let cone = &{ job.cones[entry.index()] };
+        let mut columns = [0.0f32; TILE];
+        let Rows { mut some, all } = place.rows::<K>(entry, cone);
+        while some != 0 {
+            let y = some.trailing_zeros() as usize;
+            some &= some - 1;
+            let Some(row) = place.row::<K>(all, cone, y, false) else { continue };
+            let mut cells = K::load(&planes, y);
+            let evidence = kernel.weigh(frame, cone, &row, &mut cells);
+            K::store(&cells, &mut planes, y);
+            for k in 0..TILE {
+                columns[k] += evidence[k];
+            }
+        }
+        if entry.cone & ARC != 0 {
+            let c = &columns;
+            let group = |g: usize| (c[g] + c[g + 1]) + (c[g + 2] + c[g + 3]);
             let sum = (group(0) + group(4)) + (group(8) + group(12));
-            job.parts[slot as usize].store(sum.to_bits(), Ordering::Relaxed);
-            *columns = [0.0; TILE];
+            job.parts[entry.slot as usize].store(sum.to_bits(), Ordering::Relaxed);
         }
-    };
-    rows::<K>(job, false, false, |entry, cone, y, row| {
-        if open != Some(entry.slot) {
-            finish(open, &mut columns);
-            open = (entry.cone & ARC != 0).then_some(entry.slot);
-        }
-        let mut cells = K::load(&planes, y);
-        let evidence = kernel.weigh(job.frame, cone, &row, &mut cells);
-        K::store(&cells, &mut planes, y);
-        for k in 0..TILE {
-            columns[k] += evidence[k];
-        }
-    });
-    finish(open, &mut columns);
+    }
 }
 
 /// Counts the arc cells of each reading.
 #[inline(always)]
 fn count<K: Kernel>(job: &Job) {
-    rows::<K>(job, true, true, |_, cone, _, row| {
-        let cells: u32 = row.arc.iter().map(|a| u32::from(*a)).sum();
+    let place = Place::of(job);
+    for entry in job.entries.iter().filter(|e| e.cone & ARC != 0) {
+        let cone = &{ job.cones[entry.index()] };
+        let mut cells = 0;
+        let Rows { mut some, all } = place.rows::<K>(entry, cone);
+        while some != 0 {
+            let y = some.trailing_zeros() as usize;
+            some &= some - 1;
+            if let Some(row) = place.row::<K>(all, cone, y, true) {
+                cells += row.arc.iter().sum::<u32>();
+            }
+        }
         if cells > 0 {
             job.parts[cone.index as usize].fetch_add(cells, Ordering::Relaxed);
         }
-    });
+    }
 }

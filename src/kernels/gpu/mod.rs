@@ -5,7 +5,7 @@ pub mod shader;
 
 use super::{Backend, Chunks, Outcomes, fresh_chunk, shares};
 use crate::batch::{Batch, ChunkList};
-use crate::layout::{Cone, Entry, Frame, Tile};
+use crate::layout::{Cone, Entry, Frame, Tile, WIDE};
 use crate::method::{self, Method, Step};
 use crate::{Error, Result};
 use adapter::Found;
@@ -33,7 +33,7 @@ pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     layout: wgpu::BindGroupLayout,
-    kernels: BTreeMap<(&'static str, Kernel), wgpu::ComputePipeline>,
+    kernels: BTreeMap<Key, wgpu::ComputePipeline>,
     patches: Vec<Patch>,
     chunks: BTreeMap<[u32; 2], wgpu::Buffer>,
 }
@@ -41,6 +41,9 @@ pub struct Gpu {
 /// Bindings, in the order of `shaders/layout.wgsl`: uniform, then storage, read-only or not.
 const BINDINGS: [Option<bool>; 8] =
     [None, Some(true), Some(true), Some(true), Some(false), Some(false), Some(false), Some(true)];
+
+/// A pipeline: the method, its kernel, whether for wide readings.
+type Key = (&'static str, Kernel, bool);
 
 /// A chunk's buffers for one batch.
 struct ChunkBuffers {
@@ -98,13 +101,13 @@ impl Gpu {
         &self.found
     }
 
-    fn prepare(&mut self, method: &dyn Method, kernel: Kernel) -> Result<()> {
-        let key = (method::name(method), kernel);
+    fn prepare(&mut self, method: &dyn Method, kernel: Kernel, wide: bool) -> Result<()> {
+        let key = (method::name(method), kernel, wide);
         if self.kernels.contains_key(&key) {
             return Ok(());
         }
         let label = format!("{} {}", key.0, kernel.name());
-        let mut source = shader::source(method, kernel);
+        let mut source = shader::source(method, kernel, wide);
         for (from, to) in &self.patches {
             source = source.replace(from, to);
         }
@@ -161,7 +164,7 @@ impl Gpu {
     fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        key: (&'static str, Kernel),
+        key: Key,
         frame: &wgpu::Buffer,
         buffers: &BatchBuffers,
         chunk: &ChunkBuffers,
@@ -271,10 +274,11 @@ impl Backend for Gpu {
         self.check(method)?;
         let name = method::name(method);
         let steps = method.sweeps()[sweep];
+        let wide = batch.cones.iter().any(|c| c.flags & WIDE != 0);
         for step in steps {
             match step {
-                Step::Pass(pass, _) => self.prepare(method, (*pass).into())?,
-                Step::Sum => self.prepare(method, Kernel::Sum)?,
+                Step::Pass(pass, _) => self.prepare(method, (*pass).into(), wide)?,
+                Step::Sum => self.prepare(method, Kernel::Sum, wide)?,
                 Step::Share => {}
             }
         }
@@ -292,14 +296,14 @@ impl Backend for Gpu {
                 Step::Pass(pass, mode) => {
                     let frame = self.buffer("frame", &[Frame { mode, ..frame }], Usage::UNIFORM);
                     for chunk in &buffers.chunks {
-                        self.record(&mut encoder, (name, pass.into()), &frame, &buffers, chunk, chunk.groups);
+                        self.record(&mut encoder, (name, pass.into(), wide), &frame, &buffers, chunk, chunk.groups);
                     }
                 }
                 Step::Sum => {
                     let frame = self.buffer("frame", &[frame], Usage::UNIFORM);
                     if let Some(chunk) = buffers.chunks.first() {
                         let groups = (batch.cones.len() as u32).div_ceil(64);
-                        self.record(&mut encoder, (name, Kernel::Sum), &frame, &buffers, chunk, groups);
+                        self.record(&mut encoder, (name, Kernel::Sum, wide), &frame, &buffers, chunk, groups);
                     }
                 }
                 Step::Share => {

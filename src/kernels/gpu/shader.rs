@@ -5,6 +5,7 @@ use crate::method::{self, Method, Pass};
 const LAYOUT: &str = include_str!("../../../shaders/layout.wgsl");
 const CONE: &str = include_str!("../../../shaders/cone.wgsl");
 const WIDE: &str = include_str!("../../../shaders/wide.wgsl");
+const NARROW: &str = include_str!("../../../shaders/narrow.wgsl");
 const PROFILE: &str = include_str!("../../../shaders/profile.wgsl");
 const FUSE: &str = include_str!("../../../shaders/driver/fuse.wgsl");
 const WEIGH: &str = include_str!("../../../shaders/driver/weigh.wgsl");
@@ -46,13 +47,14 @@ impl Kernel {
     }
 }
 
-/// The whole WGSL of a method's kernel.
-pub fn source(method: &dyn Method, kernel: Kernel) -> String {
+/// The whole WGSL of a method's kernel; `wide`: for batches with readings that reach farther than 1024 cells.
+pub fn source(method: &dyn Method, kernel: Kernel, wide: bool) -> String {
+    let reach = if wide { WIDE } else { NARROW };
     let half = method::REGISTRY.iter().find(|e| e.name == method::name(method)).map_or("", |e| e.wgsl);
     match kernel {
-        Kernel::Weigh => [LAYOUT, CONE, WIDE, PROFILE, half, WEIGH].join("\n"),
-        Kernel::Count => [LAYOUT, CONE, WIDE, PROFILE, half, COUNT].join("\n"),
-        Kernel::Fuse => [LAYOUT, CONE, WIDE, PROFILE, half, FUSE].join("\n"),
+        Kernel::Weigh => [LAYOUT, CONE, reach, PROFILE, half, WEIGH].join("\n"),
+        Kernel::Count => [LAYOUT, CONE, reach, PROFILE, half, COUNT].join("\n"),
+        Kernel::Fuse => [LAYOUT, CONE, reach, PROFILE, half, FUSE].join("\n"),
         Kernel::Sum => [LAYOUT, SUM].join("\n"),
     }
 }

@@ -1,0 +1,83 @@
+//! Measuring kernel throughput: the same readings through a backend several times, the median reported.
+//!
+//! What is timed is a run from readings in memory to cells in the backend's memory: snapping, binning, upload, every pass.
+//! A cell update is one (reading, cell) pair with the cell's centre inside the cone, counted by the kernels themselves.
+
+use crate::Result;
+use crate::kernels::Backend;
+use crate::mapper::Mapper;
+use crate::method::Method;
+use crate::workload::Workload;
+use serde::Serialize;
+use std::time::Instant;
+
+/// One method on one backend over one workload.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measured {
+    /// The workload's name.
+    pub workload: String,
+    /// The method.
+    pub method: String,
+    /// cpu or gpu.
+    pub backend: String,
+    /// Readings.
+    pub readings: u64,
+    /// Cell updates.
+    pub updates: u64,
+    /// Seconds of each run, the first (which compiles and allocates) left out.
+    pub seconds: Vec<f64>,
+    /// Their median.
+    pub median: f64,
+    /// Of which binning on the host, seconds.
+    pub binning: f64,
+    /// Cell updates a second, by the median.
+    pub updates_per_second: f64,
+    /// Readings a second, by the median.
+    pub readings_per_second: f64,
+}
+
+/// Runs a workload `runs` times after one for warming up.
+pub fn measure(workload: &Workload, method: &dyn Method, backend: &mut dyn Backend, runs: usize) -> Result<Measured> {
+    let (mut seconds, mut binning, mut updates) = (Vec::new(), Vec::new(), 0);
+    for run in 0..=runs.max(1) {
+        let started = Instant::now();
+        let mut mapper =
+            Mapper::new(workload.grid, &workload.sensors, method, backend, crate::mapper::BATCH).without_counts();
+        for sweep in 0..method.sweeps().len() {
+            mapper.sweep(sweep, workload.readings.iter().map(|r| Ok((*r, None))))?;
+        }
+        mapper.wait()?;
+        let took = started.elapsed().as_secs_f64();
+        let bin = mapper.work.binning_us as f64 * 1e-6;
+        updates = mapper.finish()?.map.updates;
+        if run > 0 {
+            seconds.push(took);
+            binning.push(bin);
+        }
+    }
+    let (median, readings) = (median(&seconds), workload.readings.len() as u64);
+    Ok(Measured {
+        workload: workload.name.clone(),
+        method: crate::method::name(method).into(),
+        backend: backend.name().into(),
+        readings,
+        updates,
+        updates_per_second: updates as f64 / median,
+        readings_per_second: readings as f64 / median,
+        binning: self::median(&binning),
+        seconds,
+        median,
+    })
+}
+
+/// The middle of the values, or of the two in the middle the mean.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let k = sorted.len() / 2;
+    match sorted.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => sorted[k],
+        _ => (sorted[k - 1] + sorted[k]) / 2.0,
+    }
+}

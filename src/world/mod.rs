@@ -1,0 +1,5 @@
+//! Made-up worlds, where the truth is known: where a log comes from when no robot is at hand.
+
+pub mod room;
+
+mod random;
