@@ -144,9 +144,10 @@ fn every_kernel_parses_and_validates() {
     let mut seen = BTreeSet::new();
     for (name, settings) in every_settings() {
         let method = method::make(settings);
-        for kernel in kernels_of(method.as_ref()) {
-            let what = format!("{name}, {}", kernel.name());
-            let module = parse(&shader::source(method.as_ref(), kernel), &what);
+        let kernels = kernels_of(method.as_ref());
+        for (kernel, wide) in kernels.iter().flat_map(|k| [(*k, false), (*k, true)]) {
+            let what = format!("{name}, {}, {}", kernel.name(), if wide { "wide" } else { "narrow" });
+            let module = parse(&shader::source(method.as_ref(), kernel, wide), &what);
             let flags = naga::valid::ValidationFlags::all();
             let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty());
             validator.validate(&module).unwrap_or_else(|e| panic!("{what}: {e:?}"));
@@ -167,7 +168,7 @@ fn every_kernel_parses_and_validates() {
 fn himm_counts_in_the_same_unit() {
     use echogrid::method::himm::{HIT, MOST, ONE};
     let method = method::make(method::settings::Settings::of("himm").unwrap());
-    let found = constants(&parse(&shader::source(method.as_ref(), Kernel::Fuse), "himm"));
+    let found = constants(&parse(&shader::source(method.as_ref(), Kernel::Fuse, true), "himm"));
     assert_eq!([ONE, HIT, MOST].map(f64::from), ["ONE", "HIT", "MOST"].map(|n| found[n]));
 }
 
@@ -236,8 +237,8 @@ fn twins_name_each_other() {
             }
         }
     }
-    // Each method's half, and layout, cone, wide, profile.
-    assert_eq!(twins, method::REGISTRY.len() + 4);
+    // Each method's half, and layout, cone, wide, narrow, profile.
+    assert_eq!(twins, method::REGISTRY.len() + 5);
     for entry in method::REGISTRY {
         let half = entry.name.replace('-', "_");
         assert!(shaders.iter().any(|s| relative(s) == format!("shaders/method/{half}.wgsl")), "{}", entry.name);
@@ -251,7 +252,7 @@ fn a_whole_dispatch_on_the_noop_backend() {
         if method.cpu_only().is_some() {
             continue;
         }
-        let scene = if name == "truth" { scenes::fans() } else { scenes::ragged() };
+        let scene = if name == "truth" { scenes::wide_fans() } else { scenes::wide() };
         let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
         let limits = device.limits();
         let found = Found {
