@@ -125,9 +125,20 @@ impl Session {
 
     /// Maps the log on a backend, `batch` readings at a time; `progress` hears of each reading.
     pub fn map(&self, backend: &mut dyn Backend, batch: usize, progress: &dyn Fn(u64)) -> Result<Mapped> {
+        self.map_first(usize::MAX, backend, batch, progress)
+    }
+
+    /// Maps its first `count` used readings.
+    pub fn map_first(
+        &self,
+        count: usize,
+        backend: &mut dyn Backend,
+        batch: usize,
+        progress: &dyn Fn(u64),
+    ) -> Result<Mapped> {
         let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch);
         for sweep in 0..self.method.sweeps().len() {
-            mapper.sweep(sweep, self.items()?.inspect(|_| progress(1)))?;
+            mapper.sweep(sweep, self.items()?.take(count).inspect(|_| progress(1)))?;
         }
         let (reached, work) = (mapper.counts, mapper.work);
         let finished = mapper.finish()?;

@@ -3,30 +3,7 @@
 use crate::grid::GridSpec;
 use crate::reading::{Outcome, Pose, Reading, Record};
 use crate::sensor::{Kind, Sensor};
-
-/// SplitMix64 (Steele, Lea & Flood 2014): a small generator whose numbers are the same everywhere.
-#[derive(Debug, Clone)]
-pub struct Random(u64);
-
-impl Random {
-    /// From a seed.
-    pub fn new(seed: u64) -> Random {
-        Random(seed)
-    }
-
-    /// The next 64 bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform from `low` to `high`.
-    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
+use crate::world::random::Random;
 
 /// A log in memory: readings, their sensors, their grid.
 #[derive(Debug, Clone)]

@@ -2,10 +2,11 @@
 
 use super::common::{BackendArgument, LogArguments, done, parameters, progress, readings, warn_of_bad_lines};
 use super::say;
-use crate::kernels::choose;
+use crate::kernels::cpu::Cpu;
+use crate::kernels::{Chosen, choose};
 use crate::output::{self, Folder, LogInfo, Report, RunInfo};
 use crate::session::{Mapped, Session};
-use crate::{Result, memory};
+use crate::{Error, Result, memory};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -49,46 +50,91 @@ impl Map {
         let need = memory::needed(&session.grid, session.method.as_ref(), self.log.batch);
         memory::check(need, self.memory, &session.grid).map_err(|e| session.survey.explain(e, &self.log.log))?;
 
+        self.check_working(&session)?;
+
         let started = Instant::now();
         let bar = progress(&session, self.quiet || self.json);
-        let (mapped, backend, adapter, why) = match self.backend.choice() {
-            None => (session.oracle_map()?, "oracle", None, String::new()),
+        let (mapped, ran) = match self.backend.choice() {
+            None => (session.oracle_map()?, Ran { backend: "oracle", ..Ran::default() }),
             Some(choice) => {
                 let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
                 let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|n| bar.inc(n))?;
-                (mapped, chosen.backend.name(), Some(chosen.backend.adapter()), chosen.why)
+                (mapped, Ran::of(&chosen))
             }
         };
         bar.finish_and_clear();
         let seconds = vec![("survey".to_string(), surveyed), ("map".to_string(), started.elapsed().as_secs_f64())];
-        let info = RunInfo {
-            parameters: output::parameters(parameters(&session)),
-            log: LogInfo { path: self.log.log.display().to_string(), sha256: session.log.sha256()? },
-            readings: mapped.counts,
-            seconds,
-            backend: backend.into(),
-            adapter,
-            bad_lines: session.survey.bad_lines.clone(),
-            increments: None,
-        };
-        let finished = &mapped.finished;
-        let report = output::write_map(&folder, &finished.map, &finished.combined, &info, self.npy)?;
+        let report = save(&folder, &session, &mapped, &ran, seconds, self.npy)?;
         if let Some(n) = self.working {
-            self.write_working(&folder, &session, &mapped, n)?;
+            self.write_working(&folder, &session, n as usize)?;
         }
         let place = folder.finish()?;
         if self.json {
             say!("{}", serde_json::to_string_pretty(&report).unwrap_or_default());
         } else if !self.quiet {
-            summary(&session, &mapped, &report, &why, &place);
+            summary(&session, &mapped, &report, &ran.why, &place);
         }
         Ok(done(&session))
     }
 
-    fn write_working(&self, folder: &Folder, session: &Session, mapped: &Mapped, n: u64) -> Result<()> {
-        let _ = (folder, session, mapped, n);
+    /// Before the long run: is there such a reading?
+    fn check_working(&self, session: &Session) -> Result<()> {
+        let used = session.survey.counts.used;
+        match self.working {
+            Some(n) if n > used => Err(Error::Usage(format!("--working {n}: there are {used} used readings"))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Draws reading `n` over the map of those before it.
+    fn write_working(&self, folder: &Folder, session: &Session, n: usize) -> Result<()> {
+        let (readings, wedges) = session.all()?;
+        let before = session.map_first(n - 1, &mut Cpu::new(self.log.threads)?, self.log.batch, &|_| {})?;
+        let settings = session.method.settings();
+        let (grid, sensors, map) = (&session.grid, session.sensors(), Some(&before.finished.map));
+        output::write_working(folder.path(), grid, sensors, &readings, &settings, wedges.as_deref(), n, map)?;
         Ok(())
     }
+}
+
+/// What a map was made on.
+#[derive(Debug, Clone, Default)]
+pub struct Ran {
+    /// oracle, cpu or gpu.
+    pub backend: &'static str,
+    /// The adapter or processor.
+    pub adapter: Option<String>,
+    /// Why it was taken; empty where the user chose.
+    pub why: String,
+}
+
+impl Ran {
+    /// On a chosen backend.
+    pub fn of(chosen: &Chosen) -> Ran {
+        Ran { backend: chosen.backend.name(), adapter: Some(chosen.backend.adapter()), why: chosen.why.clone() }
+    }
+}
+
+/// Writes a map's files, and returns its report.
+pub fn save(
+    folder: &Folder,
+    session: &Session,
+    mapped: &Mapped,
+    ran: &Ran,
+    seconds: Vec<(String, f64)>,
+    npy: bool,
+) -> Result<Report> {
+    let info = RunInfo {
+        parameters: output::parameters(parameters(session)),
+        log: LogInfo { path: session.log.path().display().to_string(), sha256: session.log.sha256()? },
+        readings: mapped.counts,
+        seconds,
+        backend: ran.backend.into(),
+        adapter: ran.adapter.clone(),
+        bad_lines: session.survey.bad_lines.clone(),
+        increments: None,
+    };
+    output::write_map(folder, &mapped.finished.map, &mapped.finished.combined, &info, npy)
 }
 
 fn summary(session: &Session, mapped: &Mapped, report: &Report, why: &str, place: &std::path::Path) {

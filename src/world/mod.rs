@@ -2,4 +2,4 @@
 
 pub mod room;
 
-mod random;
+pub mod random;

@@ -1,7 +1,8 @@
 //! A seeded generator: the same numbers on every machine (SplitMix64, Steele et al. 2014).
 
 /// The generator's state.
-pub(super) struct Random(u64);
+#[derive(Debug, Clone)]
+pub struct Random(u64);
 
 impl Random {
     /// A generator that gives what this seed gives.
@@ -10,7 +11,7 @@ impl Random {
     }
 
     /// The next 64 bits.
-    fn bits(&mut self) -> u64 {
+    pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -19,8 +20,13 @@ impl Random {
     }
 
     /// From 0 up to 1.
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// From `low` up to `high`.
+    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
     }
 
     /// Mean 0, deviation 1: the sum of twelve, so that no machine's logarithm has a say.
