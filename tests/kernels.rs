@@ -1,6 +1,7 @@
 //! The kernels from outside: layouts, the specification's vectors, oracle against cpu against gpu, seeded faults, laws.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking; here are the tests' helpers too")]
+#![allow(clippy::print_stdout, reason = "times and adapters, for those who ask with --nocapture")]
 
 #[path = "kernels/common.rs"]
 mod common;

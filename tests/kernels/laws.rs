@@ -82,7 +82,7 @@ fn snapped(method: &dyn Method, readings: &[Reading]) -> Vec<Cone> {
         let sensor = &sensors[r.record.sensor as usize];
         // Wedges as wide as the beam, for the truth.
         let edges = (method.footprint() == Footprint::Wedge)
-            .then(|| (r.record.pose.heading + sensor.half_width, r.record.pose.heading - sensor.half_width));
+            .then_some((r.record.pose.heading + sensor.half_width, r.record.pose.heading - sensor.half_width));
         let (cone, snapped) = snap(&grid(), sensor, r, method.footprint(), edges)?;
         Some(Cone { profile: method.profile(sensor, &snapped), ..cone })
     };
