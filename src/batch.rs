@@ -266,3 +266,6 @@ fn cross(a: [i64; 2], v: [i64; 2]) -> i64 {
 fn dot(a: [i64; 2], v: [i64; 2]) -> i64 {
     a[0] * v[0] + a[1] * v[1]
 }
+
+#[cfg(test)]
+mod tests;
