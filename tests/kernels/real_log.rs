@@ -1,6 +1,6 @@
 //! The specification's counts and sums of a real log, by the kernels.
 
-use crate::common::{Run, assert_oracle, place, say, settings};
+use crate::common::{Run, assert_oracle, place, settings};
 use crate::scenes::real;
 use echogrid::method::settings::{Bayes, Settings};
 use echogrid::oracle::OracleMap;
