@@ -54,8 +54,7 @@ struct Entry {
 @group(0) @binding(3) var<storage, read> entries: array<Entry>;
 // A chunk's cells, tile by tile, plane by plane, a thread's four cells in a vector.
 @group(0) @binding(4) var<storage, read_write> state: array<vec4<u32>>;
-// Sums over a reading's arc: a tile's part of each, or the counts of each reading.
-@group(0) @binding(5) var<storage, read_write> parts: array<atomic<u32>>;
+// Binding 5 is the drivers': parts of the sums over each reading's arc, or its counts.
 // What a pass hands to the next, for each reading.
 @group(0) @binding(6) var<storage, read_write> shares: array<vec4<u32>>;
 // Where each reading's parts begin.

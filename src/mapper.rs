@@ -52,7 +52,7 @@ impl<'a> Mapper<'a> {
         backend: &'a mut dyn Backend,
         batch: usize,
     ) -> Self {
-        let batch = batch.clamp(1, backend.reading_limit().min(1 << 24));
+        let batch = batch.clamp(1, backend.limits().readings);
         Mapper {
             grid,
             sensors,
@@ -108,13 +108,16 @@ impl<'a> Mapper<'a> {
         };
         let batch = binning.bin(snapped.into_iter().flatten().collect());
         self.work.binning_us += started.elapsed().as_micros() as u64;
-        let limit = self.backend.entry_limit();
-        let largest = batch.chunks.iter().map(|c| c.entries.len()).max().unwrap_or(0);
-        if largest.max(batch.first_part.last().map_or(0, |p| *p as usize)) > limit {
+        let limits = self.backend.limits();
+        let entries = batch.chunks.iter().map(|c| c.entries.len()).max().unwrap_or(0);
+        let sums = self.method.sweeps()[sweep].contains(&method::Step::Sum);
+        let parts = if sums { batch.first_part.last().map_or(0, |p| *p as usize) } else { 0 };
+        if entries > limits.entries || parts > limits.parts {
             if items.len() == 1 {
                 return Err(Error::Resources(format!(
-                    "one reading reaches {largest} tiles of a chunk, more than the adapter's limit of {limit}: use a coarser \
-                     --resolution or --backend cpu"
+                    "one reading reaches {entries} tiles of a chunk, more than the adapter's limit of {}: use a coarser \
+                     --resolution or --backend cpu",
+                    limits.entries.min(limits.parts)
                 )));
             }
             let (first, last) = items.split_at(items.len() / 2);

@@ -2,23 +2,29 @@
 //
 // A kernel of its own because the update needs the whole count. Integer atomics are exact in any order.
 
+@group(0) @binding(5) var<storage, read_write> parts: array<atomic<u32>>;
+
 @compute @workgroup_size(64)
 fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let tile = tiles[group.x];
     let cell = tile.corner + vec2<u32>((lane % 4u) * 4u, lane / 4u);
     let centre = CELL * vec2<i32>(cell) + vec2<i32>(CELL / 2);
     let columns = select(0, i32(frame.size.x) - i32(cell.x), cell.y < frame.size.y);
-    for (var k = tile.entries.x; k < tile.entries.y; k++) {
-        let entry = entries[k];
-        if (entry.cone & ARC) == 0u {
-            continue;
+    var k = tile.entries.x;
+    while k < tile.entries.y {
+        // A loop where a condition would do: adapters that run both sides of a branch then pass over the other entries.
+        while k < tile.entries.y && (entries[k].cone & ARC) == 0u {
+            k += 1u;
         }
-        let cone = cones[entry.cone >> ENTRY_SHIFT];
-        var row = member_row(cone, centre - cone.sensor);
-        clip(&row, columns);
-        let cells = dot(select(vec4<u32>(0u), vec4<u32>(1u), row.arc), vec4<u32>(1u));
-        if cells > 0u {
-            atomicAdd(&parts[cone.index], cells);
+        if k < tile.entries.y {
+            let cone = cones[entries[k].cone >> ENTRY_SHIFT];
+            var row = member_row(cone, centre - cone.sensor);
+            clip(&row, columns);
+            let cells = dot(select(vec4<u32>(0u), vec4<u32>(1u), row.arc), vec4<u32>(1u));
+            if cells > 0u {
+                atomicAdd(&parts[cone.index], cells);
+            }
         }
+        k += 1u;
     }
 }

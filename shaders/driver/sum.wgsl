@@ -1,6 +1,8 @@
 // The sum of each reading's parts, in tile order; twin of src/kernels/cpu/mod.rs (sums).
 //
-// A thread a reading.
+// A thread a reading. Within a tile it adds down the four columns of threads, then across.
+
+@group(0) @binding(5) var<storage, read_write> parts: array<f32>;
 
 @compute @workgroup_size(64)
 fn sum(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -10,7 +12,11 @@ fn sum(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var sum = 0.0;
     for (var k = first_part[reading]; k < first_part[reading + 1u]; k++) {
-        sum += bitcast<f32>(atomicLoad(&parts[k]));
+        var columns = vec4<f32>(0.0);
+        for (var at = k * 64u; at < k * 64u + 64u; at += 4u) {
+            columns += vec4<f32>(parts[at], parts[at + 1u], parts[at + 2u], parts[at + 3u]);
+        }
+        sum += (columns.x + columns.y) + (columns.z + columns.w);
     }
     shares[reading] = vec4<u32>(bitcast<u32>(sum), 0u, 0u, 0u);
 }

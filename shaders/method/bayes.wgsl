@@ -6,6 +6,9 @@ const PLANES: u32 = 3u;
 const LEAST: f32 = 0.02;
 const MOST: f32 = 0.98;
 
+// Two constants instead of Murphy's profile.
+override CONSTANT: bool = false;
+
 // The log odds of occupied of four cells.
 struct Cells {
     odds: vec4<f32>,
@@ -37,7 +40,7 @@ fn store(cells: Cells, at: u32) {
 
 fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {
     var l: vec4<f32>;
-    if frame.constants[0].w != 0.0 {
+    if CONSTANT {
         l = select(vec4<f32>(frame.constants[1].y), vec4<f32>(frame.constants[1].x), row.arc);
     } else {
         let at = polar(cone, row);

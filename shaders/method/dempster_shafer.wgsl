@@ -5,6 +5,9 @@ const PLANES: u32 = 6u;
 // One, in the units of a logarithm that a kernel takes itself.
 const LOG_ONE: f32 = 16777216.0;
 
+// Murphy's masses instead of 1/n and ρ.
+override MURPHY: bool = false;
+
 // −Σ ln(1 − e) and −Σ ln(1 − f) of four cells, low and high words.
 struct Cells {
     empty: array<vec4<u32>, 2>,
@@ -46,7 +49,7 @@ fn store(cells: Cells, at: u32) {
 fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {
     var empty = (*cells).empty;
     var full = (*cells).full;
-    if frame.constants[0].z == 0.0 {
+    if !MURPHY {
         add(&empty, vec4<u32>(share.x), vec4<u32>(share.y), row.interior);
         add(&full, vec4<u32>(share.z), vec4<u32>(share.w), row.arc);
     } else {

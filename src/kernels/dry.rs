@@ -1,6 +1,6 @@
 //! A backend that only counts: what a run would be, for `plan`.
 
-use super::{Backend, Chunks, Outcomes};
+use super::{Backend, Chunks, Limits, Outcomes};
 use crate::Result;
 use crate::batch::Batch;
 use crate::layout::Frame;
@@ -32,8 +32,8 @@ impl Backend for Dry {
         String::new()
     }
 
-    fn entry_limit(&self) -> usize {
-        usize::MAX
+    fn limits(&self) -> Limits {
+        Limits { readings: 1 << 24, entries: usize::MAX, parts: usize::MAX }
     }
 
     fn apply(&mut self, _: &dyn Method, _: Frame, batch: &Batch, _: Outcomes, _: usize) -> Result<()> {

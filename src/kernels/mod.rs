@@ -20,6 +20,17 @@ pub type Chunks = BTreeMap<[u32; 2], Vec<u32>>;
 /// A batch's readings' outcomes are needed for their shares; one a cone.
 pub type Outcomes<'a> = &'a [Outcome];
 
+/// The most that a batch may hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Readings.
+    pub readings: usize,
+    /// Entries of one chunk.
+    pub entries: usize,
+    /// Parts of sums: (tile, arc) pairs.
+    pub parts: usize,
+}
+
 /// Something that runs a method's sweeps over batches and keeps the cells.
 pub trait Backend {
     /// `cpu` or `gpu`.
@@ -28,13 +39,8 @@ pub trait Backend {
     /// The adapter or processor.
     fn adapter(&self) -> String;
 
-    /// Entries that one chunk may have in a batch; more, and the batch is split.
-    fn entry_limit(&self) -> usize;
-
-    /// Readings that a batch may have.
-    fn reading_limit(&self) -> usize {
-        usize::MAX
-    }
+    /// What a batch may come to; more, and it is split.
+    fn limits(&self) -> Limits;
 
     /// Runs sweep number `sweep` of the method over a batch.
     fn apply(

@@ -67,7 +67,7 @@ impl Kernel for Bayes {
 
     #[inline(always)]
     fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, _: &[u32; 4], odds: &mut [f32; TILE]) {
-        if frame.constants[0][3] != 0.0 {
+        if self.model == Likelihood::Constant {
             let [hit, miss, ..] = frame.constants[1];
             for k in 0..TILE {
                 let l = if row.arc[k] != 0 { hit } else { miss };
@@ -97,12 +97,15 @@ impl Method for Bayes {
     }
 
     fn constants(&self) -> [[f32; 4]; 2] {
-        let constant = f64::from(self.model == Likelihood::Constant);
         let odds = |p: f64| (p / (1.0 - p)).ln();
         [
-            [self.max_occ, self.region_one_floor, self.region_two_floor, constant].map(|v| v as f32),
+            [self.max_occ, self.region_one_floor, self.region_two_floor, 0.0].map(|v| v as f32),
             [odds(self.p_hit), odds(self.p_miss), 0.0, 0.0].map(|v| v as f32),
         ]
+    }
+
+    fn variant(&self) -> Option<(&'static str, bool)> {
+        Some(("CONSTANT", self.model == Likelihood::Constant))
     }
 
     fn profile(&self, sensor: &Sensor, _: &Snapped) -> [f32; 4] {

@@ -88,7 +88,7 @@ impl Kernel for DempsterShafer {
 
     #[inline(always)]
     fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, share: &[u32; 4], cells: &mut Cells) {
-        if frame.constants[0][2] == 0.0 {
+        if self.model == MassModel::Pagac {
             add(&mut cells.empty, [[share[0]; TILE], [share[1]; TILE]], row.interior);
             add(&mut cells.full, [[share[2]; TILE], [share[3]; TILE]], row.arc);
             return;
@@ -125,8 +125,11 @@ impl Method for DempsterShafer {
     }
 
     fn constants(&self) -> [[f32; 4]; 2] {
-        let murphy = f32::from(u8::from(self.model == MassModel::Murphy));
-        [[self.max_occ as f32, self.cap as f32, murphy, 0.0], [0.0; 4]]
+        [[self.max_occ as f32, self.cap as f32, 0.0, 0.0], [0.0; 4]]
+    }
+
+    fn variant(&self) -> Option<(&'static str, bool)> {
+        Some(("MURPHY", self.model == MassModel::Murphy))
     }
 
     fn profile(&self, sensor: &Sensor, _: &Snapped) -> [f32; 4] {

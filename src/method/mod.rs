@@ -78,6 +78,11 @@ pub trait Method: Send + Sync {
         [[0.0; 4]; 2]
     }
 
+    /// The override of the WGSL half that these parameters decide, if it has one: two kernels instead of a branch.
+    fn variant(&self) -> Option<(&'static str, bool)> {
+        None
+    }
+
     /// The profile's four numbers for one reading.
     fn profile(&self, _sensor: &Sensor, _snapped: &Snapped) -> [f32; 4] {
         [0.0; 4]

@@ -3,6 +3,7 @@
 use crate::common::{Scene, assert_same, every_settings, gpu};
 use crate::scenes;
 use echogrid::kernels::cpu::Cpu;
+use echogrid::kernels::{Backend, Limits};
 use echogrid::mapper::BATCH;
 use echogrid::method;
 use echogrid::method::settings::Settings;
@@ -77,15 +78,15 @@ fn runs() {
 fn an_entry_limit_that_splits_batches_changes_nothing() {
     /// A cpu that takes few entries at a time.
     struct Small(Cpu, usize);
-    impl echogrid::kernels::Backend for Small {
+    impl Backend for Small {
         fn name(&self) -> &'static str {
             "small"
         }
         fn adapter(&self) -> String {
             String::new()
         }
-        fn entry_limit(&self) -> usize {
-            self.1
+        fn limits(&self) -> Limits {
+            Limits { entries: self.1, ..self.0.limits() }
         }
         fn apply(
             &mut self,

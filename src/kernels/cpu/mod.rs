@@ -6,7 +6,7 @@ mod walk;
 
 pub use walk::{Job, Kernel, walk};
 
-use super::{Backend, Chunks, Outcomes, fresh_chunk, shares};
+use super::{Backend, Chunks, Limits, Outcomes, fresh_chunk, shares};
 use crate::batch::{Batch, ChunkList};
 use crate::layout::Frame;
 use crate::method::settings::Settings;
@@ -41,8 +41,8 @@ impl Backend for Cpu {
         format!("{} threads, {}", self.pool.current_num_threads(), walk::simd_level())
     }
 
-    fn entry_limit(&self) -> usize {
-        1 << 27
+    fn limits(&self) -> Limits {
+        Limits { readings: 1 << 24, entries: 1 << 27, parts: 1 << 27 }
     }
 
     fn apply(

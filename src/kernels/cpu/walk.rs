@@ -143,7 +143,8 @@ fn fuse<K: Kernel>(kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
     }
 }
 
-/// Sums each reading's evidence on the tile's part of its arc: down the columns, then across.
+/// Sums each reading's evidence on the tile's part of its arc: four cells of a row at a time as the GPU's threads do, down
+/// the columns of threads, then across.
 #[inline(always)]
 fn weigh<K: Kernel>(kernel: &K, job: &Job, state: &[[u32; TILE]]) {
     let place = Place::of(job);
@@ -151,23 +152,21 @@ fn weigh<K: Kernel>(kernel: &K, job: &Job, state: &[[u32; TILE]]) {
     let mut planes = state[2 * TILE..].to_vec();
     for entry in job.entries {
         let cone = &{ job.cones[entry.index()] };
-        let mut columns = [0.0f32; TILE];
+        let mut columns = [0.0f32; 4];
         let Rows { mut some, all } = place.rows::<K>(entry, cone);
         while some != 0 {
             let y = some.trailing_zeros() as usize;
             some &= some - 1;
             let Some(row) = place.row::<K>(all, cone, y, false) else { continue };
             let mut cells = K::load(&planes, y);
-            let evidence = kernel.weigh(frame, cone, &row, &mut cells);
+            let e = kernel.weigh(frame, cone, &row, &mut cells);
             K::store(&cells, &mut planes, y);
-            for k in 0..TILE {
-                columns[k] += evidence[k];
+            for g in 0..4 {
+                columns[g] += (e[4 * g] + e[4 * g + 1]) + (e[4 * g + 2] + e[4 * g + 3]);
             }
         }
         if entry.cone & ARC != 0 {
-            let c = &columns;
-            let group = |g: usize| (c[g] + c[g + 1]) + (c[g + 2] + c[g + 3]);
-            let sum = (group(0) + group(4)) + (group(8) + group(12));
+            let sum = (columns[0] + columns[1]) + (columns[2] + columns[3]);
             job.parts[entry.slot as usize].store(sum.to_bits(), Ordering::Relaxed);
         }
     }

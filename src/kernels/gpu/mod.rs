@@ -3,7 +3,7 @@
 pub mod adapter;
 pub mod shader;
 
-use super::{Backend, Chunks, Outcomes, fresh_chunk, shares};
+use super::{Backend, Chunks, Limits, Outcomes, fresh_chunk, shares};
 use crate::batch::{Batch, ChunkList};
 use crate::layout::{Cone, Entry, Frame, Tile, WIDE};
 use crate::method::{self, Method, Step};
@@ -47,8 +47,15 @@ pub struct Gpu {
 const BINDINGS: [Option<bool>; 8] =
     [None, Some(true), Some(true), Some(true), Some(false), Some(false), Some(false), Some(true)];
 
-/// A pipeline: the method, its kernel, whether for wide readings.
-type Key = (&'static str, Kernel, bool);
+/// A pipeline: the method, its kernel, whether for wide readings, its variant.
+type Key = (&'static str, Kernel, bool, bool);
+
+fn key(method: &dyn Method, kernel: Kernel, wide: bool) -> Key {
+    (method::name(method), kernel, wide, method.variant().is_some_and(|v| v.1))
+}
+
+/// A tile's part of a reading's sum: a number a thread.
+const PART_BYTES: usize = 64 * size_of::<f32>();
 
 /// A chunk's buffers for one batch.
 struct ChunkBuffers {
@@ -127,7 +134,8 @@ impl Gpu {
     }
 
     fn prepare(&mut self, method: &dyn Method, kernel: Kernel, wide: bool) -> Result<()> {
-        let key = (method::name(method), kernel, wide);
+        let variant = method.variant().filter(|_| kernel != Kernel::Sum);
+        let key = key(method, kernel, wide);
         if self.kernels.contains_key(&key) {
             return Ok(());
         }
@@ -151,7 +159,10 @@ impl Gpu {
             layout: Some(&layout),
             module: &module,
             entry_point: Some(kernel.name()),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &variant.map(|(name, on)| (name, f64::from(on))).into_iter().collect::<Vec<_>>(),
+                ..Default::default()
+            },
             cache: None,
         });
         if let Some(e) = pollster::block_on(scope.pop()) {
@@ -167,9 +178,10 @@ impl Gpu {
         self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
     }
 
-    fn upload(&self, batch: &Batch) -> BatchBuffers {
+    fn upload(&self, batch: &Batch, sums: bool) -> BatchBuffers {
         let input = Usage::STORAGE | Usage::COPY_DST;
-        let parts = (batch.first_part.last().copied().unwrap_or(0) as usize).max(batch.cones.len());
+        let slots = batch.first_part.last().copied().unwrap_or(0) as usize;
+        let parts = if sums { (slots.max(1) * PART_BYTES) as u64 } else { 4 * batch.cones.len() as u64 };
         let chunk = |list: &ChunkList| ChunkBuffers {
             tiles: self.buffer::<Tile>("tiles", &list.tiles, input),
             entries: self.buffer::<Entry>("entries", &list.entries, input),
@@ -178,7 +190,13 @@ impl Gpu {
         };
         BatchBuffers {
             cones: self.buffer::<Cone>("cones", &batch.cones, input),
-            parts: self.buffer("parts", &vec![0u32; parts], input | Usage::COPY_SRC),
+            // Zero from the start, as every new buffer.
+            parts: self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("parts"),
+                size: parts.max(16),
+                usage: Usage::STORAGE | Usage::COPY_SRC,
+                mapped_at_creation: false,
+            }),
             shares: self.buffer("shares", &vec![[0u32; 4]; batch.cones.len()], input),
             first_part: self.buffer("first_part", &batch.first_part, input),
             chunks: batch.chunks.iter().map(chunk).collect(),
@@ -304,13 +322,14 @@ impl Backend for Gpu {
         self.found.to_string()
     }
 
-    fn entry_limit(&self) -> usize {
-        self.bindable() / size_of::<Entry>()
-    }
-
-    fn reading_limit(&self) -> usize {
-        // Sum takes a thread a reading, 64 in a group.
-        (self.bindable() / size_of::<Cone>()).min(64 * self.found.workgroups as usize)
+    fn limits(&self) -> Limits {
+        let bindable = self.bindable();
+        Limits {
+            // Sum takes a thread a reading, 64 in a group.
+            readings: (bindable / size_of::<Cone>()).min(64 * self.found.workgroups as usize),
+            entries: bindable / size_of::<Entry>(),
+            parts: bindable / PART_BYTES,
+        }
     }
 
     fn apply(
@@ -322,7 +341,6 @@ impl Backend for Gpu {
         sweep: usize,
     ) -> Result<()> {
         self.check(method)?;
-        let name = method::name(method);
         let steps = method.sweeps()[sweep];
         let wide = batch.cones.iter().any(|c| c.flags & WIDE != 0);
         for step in steps {
@@ -339,21 +357,28 @@ impl Backend for Gpu {
                 self.chunks.insert(place, self.buffer("chunk", &fresh_chunk(method), usage));
             }
         }
-        let buffers = self.upload(batch);
+        let buffers = self.upload(batch, steps.contains(&Step::Sum));
         let mut encoder = self.encoder();
         for step in steps {
             match *step {
                 Step::Pass(pass, mode) => {
                     let frame = self.buffer("frame", &[Frame { mode, ..frame }], Usage::UNIFORM);
                     for chunk in &buffers.chunks {
-                        self.record(&mut encoder, (name, pass.into(), wide), &frame, &buffers, chunk, chunk.groups);
+                        self.record(
+                            &mut encoder,
+                            key(method, pass.into(), wide),
+                            &frame,
+                            &buffers,
+                            chunk,
+                            chunk.groups,
+                        );
                     }
                 }
                 Step::Sum => {
                     let frame = self.buffer("frame", &[frame], Usage::UNIFORM);
                     if let Some(chunk) = buffers.chunks.first() {
                         let groups = (batch.cones.len() as u32).div_ceil(64);
-                        self.record(&mut encoder, (name, Kernel::Sum, wide), &frame, &buffers, chunk, groups);
+                        self.record(&mut encoder, key(method, Kernel::Sum, wide), &frame, &buffers, chunk, groups);
                     }
                 }
                 Step::Share => {
