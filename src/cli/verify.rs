@@ -1,11 +1,11 @@
 //! `echogrid verify`.
 
 use super::common::{LogArguments, done, warn_of_bad_lines};
-use super::say;
+use super::{note, say};
 use crate::kernels::{Choice, choose, gpu_required};
 use crate::mapper::Finished;
 use crate::verify::{Verification, check, same_bytes};
-use crate::{Error, Result, memory, method};
+use crate::{Error, Result, method};
 use std::time::Instant;
 
 /// A backend that `verify` can run.
@@ -37,10 +37,10 @@ impl Verify {
     pub fn run(self) -> Result<u8> {
         let session = self.log.session()?;
         warn_of_bad_lines(&session);
-        let need = memory::needed(&session.grid, session.method.as_ref(), self.log.batch);
         // The oracle keeps values and bounds in f64, and two maps are held beside it.
         let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
-        memory::check(2 * need + oracle_cells + session.survey.counts.used * 200, None, &session.grid)?;
+        let readings = session.survey.counts.used * 200;
+        session.check_memory(2 * session.memory(self.log.batch) + oracle_cells + readings, None)?;
         let started = Instant::now();
         let oracle = session.oracle()?;
         let mut result = Verification {
@@ -86,15 +86,18 @@ impl Verify {
             result.same_bytes = Some(same_bytes(a, b));
         }
         if result.backends.is_empty() {
-            let why = if result.skipped.is_empty() {
-                "only the oracle was asked for".into()
-            } else {
-                result.skipped.join("; ")
-            };
-            return Err(Error::NoAdapter(format!("there is nothing to verify: {why}; give --backends oracle,cpu")));
+            return Err(match result.skipped.join("; ") {
+                why if why.is_empty() => {
+                    Error::Usage("the oracle alone proves nothing: give --backends cpu, gpu or both".into())
+                }
+                why => Error::NoAdapter(format!("there is nothing to verify: {why}; or give --backends cpu")),
+            });
         }
         if self.json {
             say!("{}", serde_json::to_string_pretty(&result).unwrap_or_default());
+            for why in &result.skipped {
+                note!("SKIPPED {why}");
+            }
         } else {
             say!("{result}");
         }
