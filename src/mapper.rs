@@ -179,7 +179,7 @@ impl<'a> Mapper<'a> {
             })
             .collect();
         for (cone, (interior, arc)) in batch.cones.iter().zip(found) {
-            self.counts.wide += u64::from(cone.flags & WIDE != 0);
+            self.counts.wide += u64::from(cone.flags & WIDE != 0 && (interior || arc));
             self.counts.outside += u64::from(!interior && !arc);
             self.counts.empty_arc += u64::from(interior && !arc && cone.flags & NO_ECHO == 0);
         }

@@ -28,8 +28,8 @@ pub fn parse(text: &str) -> std::result::Result<u64, String> {
 /// A size for people.
 pub fn show(bytes: u64) -> String {
     match bytes as f64 {
-        b if b < 1e6 => format!("{:.0} KiB", b / 1024.0),
-        b if b < 1e9 => format!("{:.0} MiB", b / 1048576.0),
+        b if b < 1048576.0 => format!("{:.0} KiB", b / 1024.0),
+        b if b < 1073741824.0 => format!("{:.0} MiB", b / 1048576.0),
         b if b < 1e13 => format!("{:.1} GiB", b / 1073741824.0),
         b => format!("{:.0} TiB", b / 1099511627776.0),
     }

@@ -68,20 +68,18 @@ impl Session {
     pub fn open(path: &std::path::Path, request: &Request) -> Result<Session> {
         let mut options = request.log.clone();
         if request.settings == Settings::Truth {
-            options.kind = options.kind.or(Some(Kind::Laser));
+            if options.kind == Some(Kind::Sonar) {
+                return Err(Error::Usage(
+                    "method truth takes the nearest beam of each laser scan: leave out --sensor sonar".into(),
+                ));
+            }
+            options.kind = Some(Kind::Laser);
             let limits = &mut options.overrides;
             limits.r_min = limits.r_min.or(Some(0.05));
             limits.r_max = limits.r_max.or(Some(20.0));
             limits.hit_range = limits.hit_range.or(limits.r_max);
         }
         let log = Log::open(path, &options)?;
-        let sensors = &log.header().sensors;
-        if request.settings == Settings::Truth && sensors.iter().any(|s| s.kind != Kind::Laser) {
-            return Err(Error::Usage(format!(
-                "method truth takes the nearest beam of laser scans, and {} has sonars: give a laser log, or --sensor laser",
-                path.display()
-            )));
-        }
         // Given bounds are checked before the log is read through.
         let given = request.bounds.map(|b| GridSpec::from_bounds(b, request.resolution)).transpose()?;
         let until = request.until.unwrap_or(u64::MAX);

@@ -71,9 +71,9 @@ pub struct LogArguments {
     #[arg(short, long = "set", value_name = "KEY=VALUE", long_help = set_help())]
     pub set: Vec<String>,
     /// Map only the first N used readings
-    #[arg(long, value_name = "N", value_parser = from_one)]
+    #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
     pub until: Option<u64>,
-    /// Let a bad line be an error (exit code 3)
+    /// Take no bad line: exit code 3, and nothing is written
     #[arg(long)]
     pub strict: bool,
     /// Readings at a time; the result does not depend on it

@@ -24,10 +24,10 @@ pub struct Map {
     #[arg(long, default_value = "auto")]
     backend: BackendArgument,
     /// Memory that may be used, such as 4GiB [default: what the machine has free]
-    #[arg(long, value_parser = memory::parse)]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
     /// Also write a picture and JSON of used reading N alone
-    #[arg(long, value_name = "N", value_parser = from_one)]
+    #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
     working: Option<u64>,
     /// Also write every layer as .npy
     #[arg(long)]

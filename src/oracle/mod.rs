@@ -88,7 +88,7 @@ pub struct OracleMap {
     pub outside: u64,
     /// Hits with interior cells but no arc cell.
     pub empty_arc: u64,
-    /// Readings that reach beyond 1024 cells.
+    /// Readings with a cell of the grid that reach beyond 1024 cells.
     pub wide: u64,
 }
 
@@ -137,7 +137,7 @@ impl Tally {
         self.updates += cells.len() as u64;
         self.outside += u64::from(cells.is_empty());
         self.empty_arc += u64::from(cone.hit && n == 0 && !cells.is_empty());
-        self.wide += u64::from(cone.wide);
+        self.wide += u64::from(cone.wide && !cells.is_empty());
     }
 
     fn is_touched(&self, k: usize) -> bool {
