@@ -128,7 +128,7 @@ impl Binning {
                 let arc = arc && arcs;
                 let flags = if arc { ARC } else { 0 } | if inside && whole { INSIDE } else { 0 };
                 let (chunk, at) = ([i / CHUNK as i64, j / CHUNK as i64], [i % CHUNK as i64, j % CHUNK as i64]);
-                let key = (chunk[1] << 32 | chunk[0] << 12 | at[1] * CHUNK as i64 | at[0]) as u64;
+                let key = ((chunk[1] << 32) | (chunk[0] << 12) | (at[1] * CHUNK as i64 + at[0])) as u64;
                 pairs.push((key, Entry { cone: cone.index << ENTRY_SHIFT | flags, slot: *slot }));
                 *slot += u32::from(arc);
             }
@@ -266,3 +266,6 @@ fn cross(a: [i64; 2], v: [i64; 2]) -> i64 {
 fn dot(a: [i64; 2], v: [i64; 2]) -> i64 {
     a[0] * v[0] + a[1] * v[1]
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,5 @@
-//! The snapped cone: which cells a reading frees and which lie on its arc, in integers; twin of `shaders/cone.wgsl`.
+//! The snapped cone: which cells a reading frees and which lie on its arc, in integers; twin of `shaders/cone.wgsl`,
+//! and of `shaders/wide.wgsl` where a reading of the batch reaches far, `shaders/narrow.wgsl` where none does.
 //!
 //! Membership is exact, so it is the same on every backend. A row of a tile, 16 cells, is classified at once.
 

@@ -30,3 +30,8 @@ pub mod cli;
 pub mod error;
 
 pub use error::{Error, Result};
+
+/// The README's library example compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -52,7 +52,7 @@ impl<'a> Mapper<'a> {
         backend: &'a mut dyn Backend,
         batch: usize,
     ) -> Self {
-        let batch = batch.max(1);
+        let batch = batch.clamp(1, backend.reading_limit().min(1 << 24));
         Mapper {
             grid,
             sensors,

@@ -128,7 +128,7 @@ pub struct Counts {
     pub outside: u64,
     /// Used hits with interior cells but no arc cell.
     pub empty_arc: u64,
-    /// Used, not outside, reaching farther than 1024 cells: decided in 64-bit integers.
+    /// Used, with a cell inside the grid, reaching farther than 1024 cells: decided in 64-bit integers.
     pub wide: u64,
     /// Not used, by reason.
     pub rejected: Rejected,

@@ -12,6 +12,7 @@ use crate::oracle::{self, OracleMap};
 use crate::output::BadLines;
 use crate::reading::{Counts, Reading, Record, judge};
 use crate::sensor::{Kind, Sensor};
+use crate::snap::Edges;
 use crate::survey::{Survey, survey};
 use crate::wedge;
 use crate::{Error, Result};
@@ -132,7 +133,7 @@ impl Session {
     }
 
     /// Every reading at once, and their wedges: what the oracle takes.
-    pub fn all(&self) -> Result<(Vec<Reading>, Option<Vec<(f64, f64)>>)> {
+    pub fn all(&self) -> Result<(Vec<Reading>, Option<Vec<Edges>>)> {
         let items: Vec<Item> = self.items()?.collect::<Result<_>>()?;
         let readings = items.iter().map(|i| i.0).collect();
         Ok((readings, items.iter().map(|i| i.1).collect()))

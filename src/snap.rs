@@ -101,14 +101,18 @@ pub fn snap(
     Some((cone, Snapped { range: metres(range), epsilon: metres(depth) }))
 }
 
-/// The region of one cell of the grid: (interior, arc), on the host; a missing echo's arc counts as one.
+/// The region of one cell of the grid: (interior, arc), on the host; a missing echo's arc counts as one, but for its last
+/// cell on the axis, which is free.
 pub fn region(cone: &Cone, footprint: Footprint, column: i64, row: i64) -> (bool, bool) {
     let v = [
         (i64::from(CELL) * column + 16 - i64::from(cone.sensor[0])) as i32,
         (i64::from(CELL) * row + 16 - i64::from(cone.sensor[1])) as i32,
     ];
     match footprint {
-        Footprint::Axis => on_axis_wide(cone, v),
+        Footprint::Axis => match on_axis_wide(cone, v) {
+            (before, hit) if cone.flags & NO_ECHO != 0 => (before || hit, false),
+            regions => regions,
+        },
         _ => Wide::of(cone, v).regions(),
     }
 }

@@ -113,7 +113,7 @@ fn maps_of_the_room_show_its_walls() {
         for sweep in 0..method.sweeps().len() {
             mapper.sweep(sweep, readings.iter().map(|r| Ok((*r, None)))).unwrap();
         }
-        let (map, _) = mapper.finish().unwrap();
+        let map = mapper.finish().unwrap().map;
         let data = &map.layer("class").unwrap().data;
         let class: Vec<i8> = (0..data.len()).map(|k| data.get(k) as i8).collect();
         let (recall, precision, freed) = score(&grid, &truth, &class);

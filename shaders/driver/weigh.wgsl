@@ -7,10 +7,9 @@ const HELD: u32 = 8u;
 
 var<workgroup> evidence: array<vec4<f32>, 512>;
 var<workgroup> groups: array<f32, 32>;
-var<workgroup> slots: array<u32, 8>;
 
-// Sums what is held and stores it.
-fn reduce(held: u32, lane: u32) {
+// Sums what is held and stores it; slot: where the sum of this lane's reading goes, in the first lanes.
+fn reduce(held: u32, lane: u32, slot: u32) {
     workgroupBarrier();
     if lane < held * 4u {
         var sum = vec4<f32>(0.0);
@@ -23,7 +22,7 @@ fn reduce(held: u32, lane: u32) {
     if lane < held {
         let g = lane * 4u;
         let sum = (groups[g] + groups[g + 1u]) + (groups[g + 2u] + groups[g + 3u]);
-        atomicStore(&parts[slots[lane]], bitcast<u32>(sum));
+        atomicStore(&parts[slot], bitcast<u32>(sum));
     }
 }
 
@@ -36,6 +35,8 @@ fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     let at = tile.slot * PLANES * 64u + lane;
     var cells = load(at + 128u);
     var held = 0u;
+    // Each lane keeps its own: the next reading's never overwrites one that is still to be read.
+    var slot = 0u;
     for (var k = tile.entries.x; k < tile.entries.y; k++) {
         let entry = entries[k];
         let cone = cones[entry.cone >> ENTRY_SHIFT];
@@ -50,17 +51,17 @@ fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         }
         if (entry.cone & ARC) != 0u {
             evidence[held * 64u + lane] = sum;
-            if lane == 0u {
-                slots[held] = entry.slot;
+            if lane == held {
+                slot = entry.slot;
             }
             held += 1u;
             if held == HELD {
-                reduce(held, lane);
+                reduce(held, lane, slot);
                 held = 0u;
             }
         }
     }
     if held > 0u {
-        reduce(held, lane);
+        reduce(held, lane, slot);
     }
 }

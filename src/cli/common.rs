@@ -186,19 +186,21 @@ impl LogArguments {
 pub fn parameters(session: &Session) -> Vec<(String, String)> {
     let resolution = session.grid.resolution;
     let sensors = session.sensors();
-    let numbers: [(&str, fn(&Sensor, f64) -> f64); 6] = [
-        ("beta", |s, _| s.half_width),
-        ("r_min", |s, _| s.r_min),
-        ("r_max", |s, _| s.r_max),
-        ("hit_range", |s, _| s.hit_range),
-        ("no_echo_range", |s, _| s.no_echo_range),
-        ("epsilon", |s, resolution| s.epsilon(resolution)),
-    ];
+    let numbers = |s: &Sensor| {
+        [
+            ("beta", s.half_width),
+            ("r_min", s.r_min),
+            ("r_max", s.r_max),
+            ("hit_range", s.hit_range),
+            ("no_echo_range", s.no_echo_range),
+            ("epsilon", s.epsilon(resolution)),
+        ]
+    };
     let mut all = vec![("resolution".to_string(), resolution.to_string())];
-    for (name, value) in numbers {
-        let values: Vec<String> = sensors.iter().map(|s| value(s, resolution).to_string()).collect();
-        let one = values.windows(2).all(|w| w[0] == w[1]);
-        all.push((name.into(), if one { values.first().cloned().unwrap_or_default() } else { values.join(" ") }));
+    for (k, (name, first)) in sensors.first().map(numbers).into_iter().flatten().enumerate() {
+        let values: Vec<String> = sensors.iter().map(|s| numbers(s)[k].1.to_string()).collect();
+        let one = values.iter().all(|v| *v == first.to_string());
+        all.push((name.into(), if one { first.to_string() } else { values.join(" ") }));
     }
     let places: Vec<String> = sensors.iter().map(|s| format!("{},{}", s.x, s.y)).collect();
     let centred = sensors.iter().all(|s| s.x == 0.0 && s.y == 0.0);

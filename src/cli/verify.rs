@@ -1,11 +1,24 @@
 //! `echogrid verify`.
 
 use super::common::{LogArguments, done, warn_of_bad_lines};
+<<<<<<< HEAD
 use super::{note, say};
+=======
+use super::say;
+use crate::compare::{Options, compare, write_pictures};
+>>>>>>> main
 use crate::kernels::{Choice, choose, gpu_required};
+use crate::layers;
 use crate::mapper::Finished;
+use crate::oracle::OracleMap;
+use crate::session::Session;
 use crate::verify::{Verification, check, same_bytes};
+<<<<<<< HEAD
 use crate::{Error, Result, method};
+=======
+use crate::{Error, Result, memory, method};
+use std::path::PathBuf;
+>>>>>>> main
 use std::time::Instant;
 
 /// A backend that `verify` can run.
@@ -27,6 +40,9 @@ pub struct Verify {
     /// The backends to compare with the oracle
     #[arg(long, value_delimiter = ',', default_value = "oracle,cpu,gpu")]
     backends: Vec<Checked>,
+    /// If a backend is not equal, write its pictures, the oracle's and their difference here
+    #[arg(long, value_name = "FOLDER")]
+    pictures: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -79,6 +95,7 @@ impl Verify {
                     .sum();
             let backend = (chosen.backend.name(), chosen.backend.adapter());
             result.backends.push(check(&session, &oracle, &mapped.finished, backend, wrong, seconds)?);
+            self.draw(&session, &oracle, &result, &mapped.finished)?;
             maps.push(mapped.finished);
         }
         result.passed = result.backends.iter().all(|b| b.passed);
@@ -102,5 +119,18 @@ impl Verify {
             say!("{result}");
         }
         Ok(if result.passed { done(&session) } else { 1 })
+    }
+
+    /// Pictures of the last backend, if it failed and they are wanted.
+    fn draw(&self, session: &Session, oracle: &OracleMap, result: &Verification, map: &Finished) -> Result<()> {
+        let (Some(folder), Some(last)) = (&self.pictures, result.backends.last().filter(|b| !b.passed)) else {
+            return Ok(());
+        };
+        let reference = layers::from_oracle(oracle, session.method.as_ref());
+        let differences = compare(&reference.map, &map.map, &Options::default())?;
+        for path in write_pictures(&reference.map, &map.map, &differences, &folder.join(&last.backend))? {
+            eprintln!("echogrid: see {}", path.display());
+        }
+        Ok(())
     }
 }

@@ -31,6 +31,11 @@ pub trait Backend {
     /// Entries that one chunk may have in a batch; more, and the batch is split.
     fn entry_limit(&self) -> usize;
 
+    /// Readings that a batch may have.
+    fn reading_limit(&self) -> usize {
+        usize::MAX
+    }
+
     /// Runs sweep number `sweep` of the method over a batch.
     fn apply(
         &mut self,

@@ -44,14 +44,13 @@ pub fn info() -> RunInfo {
         adapter: None,
         bad_lines: BadLines { count: 1, first: vec!["logs/a.csv:3: no range".into()] },
         increments: None,
-        picture: "log_odds".into(),
     }
 }
 
 /// Writes a whole map folder.
 pub fn write(path: &Path, map: &Map, npy: bool) -> Report {
     let folder = Folder::prepare(path).unwrap();
-    let report = write_map(&folder, map, &info(), npy).unwrap();
+    let report = write_map(&folder, map, &map.layers[0], &info(), npy).unwrap();
     folder.finish().unwrap();
     report
 }

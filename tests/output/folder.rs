@@ -57,7 +57,7 @@ fn an_error_on_the_way_leaves_the_old_map_and_no_partial() {
 fn dies_halfway() {
     let Some(path) = std::env::var_os("ECHOGRID_TEST_DIES_IN") else { return };
     let folder = Folder::prepare(Path::new(&path)).unwrap();
-    write_map(&folder, &map(12, 9), &info(), false).unwrap();
+    write_map(&folder, &map(12, 9), &map(12, 9).layers[0], &info(), false).unwrap();
     std::process::abort();
 }
 
@@ -137,7 +137,7 @@ fn files_that_appear_during_the_run_are_not_overwritten() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("m");
     let folder = Folder::prepare(&path).unwrap();
-    write_map(&folder, &map(11, 8), &info(), false).unwrap();
+    write_map(&folder, &map(11, 8), &map(11, 8).layers[0], &info(), false).unwrap();
     fs::create_dir(&path).unwrap();
     fs::write(path.join("notes.txt"), "mine").unwrap();
     assert_eq!(folder.finish().unwrap_err().exit_code(), 5);

@@ -231,7 +231,7 @@ fn a_map_that_breaks_the_contract_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let folder = Folder::prepare(&dir.path().join("m")).unwrap();
     let refused = |map: Map, why: &str| {
-        let error = write_map(&folder, &map, &info(), false).unwrap_err();
+        let error = write_map(&folder, &map, &map.layers[0], &info(), false).unwrap_err();
         assert!(error.to_string().contains(why), "{error}");
     };
     let with = |change: fn(&mut Map)| {

@@ -12,6 +12,7 @@ use adapter::Found;
 use bytemuck::Pod;
 use shader::Kernel;
 use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::BufferUsages as Usage;
 use wgpu::util::DeviceExt;
 
@@ -36,6 +37,10 @@ pub struct Gpu {
     kernels: BTreeMap<Key, wgpu::ComputePipeline>,
     patches: Vec<Patch>,
     chunks: BTreeMap<[u32; 2], wgpu::Buffer>,
+    /// The batch before, still under way: the host bins the next one meanwhile, and only two are held.
+    pending: Option<wgpu::SubmissionIndex>,
+    /// The first error that the device reported by itself: out of memory, lost.
+    failure: Arc<Mutex<Option<String>>>,
 }
 
 /// Bindings, in the order of `shaders/layout.wgsl`: uniform, then storage, read-only or not.
@@ -92,8 +97,28 @@ impl Gpu {
             label: Some("every pass"),
             entries: &entries,
         });
+        let failure = Arc::new(Mutex::new(None));
+        let report = failure.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            report.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.to_string());
+        }));
         let patches = options.patches.clone();
-        Gpu { found, device, queue, layout, kernels: BTreeMap::new(), patches, chunks: BTreeMap::new() }
+        Gpu {
+            failure,
+            pending: None,
+            found,
+            device,
+            queue,
+            layout,
+            kernels: BTreeMap::new(),
+            patches,
+            chunks: BTreeMap::new(),
+        }
+    }
+
+    /// The largest buffer that is bound whole, bytes.
+    fn bindable(&self) -> usize {
+        self.found.binding.min(self.found.buffer).min(1 << 30) as usize
     }
 
     /// The adapter.
@@ -199,13 +224,18 @@ impl Gpu {
         pass.dispatch_workgroups(groups, 1, 1);
     }
 
-    fn submit(&self, encoder: &mut wgpu::CommandEncoder) {
+    fn submit(&self, encoder: &mut wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
         let full = std::mem::replace(encoder, self.encoder());
-        self.queue.submit([full.finish()]);
+        self.queue.submit([full.finish()])
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("batch") })
+    }
+
+    fn poll(&self, until: wgpu::PollType) -> Result<()> {
+        let lost = |e| Error::NoAdapter(format!("{} stopped answering: {e}", self.found));
+        self.device.poll(until).map(|_| ()).map_err(lost)
     }
 
     /// Reads a buffer's words back.
@@ -225,10 +255,25 @@ impl Gpu {
             // The receiver waits below; it is gone only if this call is.
             let _ = send.send(result);
         });
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| lost(&e))?;
+        self.poll(wgpu::PollType::wait_indefinitely())?;
         receive.recv().map_err(|e| lost(&e))?.map_err(|e| lost(&e))?;
         let view = staging.get_mapped_range(..).map_err(|e| lost(&e))?;
         Ok(bytemuck::pod_collect_to_vec(&view))
+    }
+
+    /// Fails if the device has reported an error by itself.
+    fn healthy(&self) -> Result<()> {
+        match self.failure.lock().unwrap_or_else(PoisonError::into_inner).as_deref() {
+            None => Ok(()),
+            Some(what) => {
+                let resident = crate::memory::show(self.chunks.values().map(wgpu::Buffer::size).sum());
+                Err(Error::Resources(format!(
+                    "{} failed with {resident} of cells resident: {what}; give smaller --bounds, a coarser --resolution, a \
+                     smaller --batch, or --backend cpu",
+                    self.found
+                )))
+            }
+        }
     }
 
     /// Fails where an adapter can't do what a batch asks.
@@ -260,7 +305,12 @@ impl Backend for Gpu {
     }
 
     fn entry_limit(&self) -> usize {
-        (self.found.binding.min(self.found.buffer).min(1 << 30) / size_of::<Entry>() as u64) as usize
+        self.bindable() / size_of::<Entry>()
+    }
+
+    fn reading_limit(&self) -> usize {
+        // Sum takes a thread a reading, 64 in a group.
+        (self.bindable() / size_of::<Cone>()).min(64 * self.found.workgroups as usize)
     }
 
     fn apply(
@@ -314,17 +364,20 @@ impl Backend for Gpu {
                 }
             }
         }
-        self.submit(&mut encoder);
-        // One batch in flight: the host bins the next one meanwhile, and memory stays bounded.
-        Ok(())
+        let submitted = self.submit(&mut encoder);
+        if let Some(before) = self.pending.replace(submitted) {
+            self.poll(wgpu::PollType::Wait { submission_index: Some(before), timeout: None })?;
+        }
+        self.healthy()
     }
 
     fn wait(&mut self) -> Result<()> {
-        let lost = |e| Error::NoAdapter(format!("{} stopped answering: {e}", self.found));
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(lost)
+        self.poll(wgpu::PollType::wait_indefinitely())?;
+        self.healthy()
     }
 
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
+        self.healthy()?;
         let chunks = std::mem::take(&mut self.chunks);
         chunks.iter().map(|(place, buffer)| Ok((*place, self.read(buffer)?))).collect()
     }

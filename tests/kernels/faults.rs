@@ -1,0 +1,398 @@
+//! Faults seeded into the WGSL: the comparison must reject each one. A test that can't fail proves nothing.
+
+use crate::common::{Scene, against_oracle, gpu, kernels_of, patched_gpu, settings};
+use crate::scenes;
+use echogrid::compare::{self, compare};
+use echogrid::kernels::gpu::shader::source;
+use echogrid::log::{self, Writer};
+use echogrid::mapper::BATCH;
+use echogrid::method;
+use echogrid::reading::{Outcome, Record};
+use echogrid::session::{Request, Session};
+use echogrid::verify;
+use std::collections::BTreeMap;
+
+/// A change of the source, the methods that must notice, and where.
+struct Fault {
+    what: &'static str,
+    from: &'static str,
+    to: &'static str,
+    methods: &'static [&'static str],
+    scene: fn() -> Scene,
+}
+
+const CONES: &[&str] = &["certainty", "dempster-shafer", "dempster-shafer-murphy", "bayes", "bayes-constant"];
+const ALL: &[&str] = &["certainty", "certainty-batch", "dempster-shafer", "bayes", "himm"];
+
+fn few() -> Scene {
+    let mut scene = scenes::ragged();
+    scene.items.truncate(400);
+    scene
+}
+
+const FAULTS: &[Fault] = &[
+    Fault {
+        what: "the arc ends a fiftieth early",
+        from: "(d2 <= vec4<i32>(outer))",
+        to: "(d2 <= vec4<i32>(outer - outer / 50))",
+        methods: CONES,
+        scene: few,
+    },
+    Fault {
+        what: "the arc begins at R",
+        from: "let inner = cone.reach.x * cone.reach.x;",
+        to: "let middle = (cone.reach.x + cone.reach.y) / 2; let inner = middle * middle;",
+        methods: CONES,
+        scene: few,
+    },
+    Fault {
+        what: "the arc's profile is a tenth narrower",
+        from: "let e = (d - profile.z) * profile.w;",
+        to: "let e = (d - profile.z) * profile.w * 1.1;",
+        methods: &["certainty", "certainty-batch"],
+        scene: few,
+    },
+    Fault {
+        what: "hit and miss are swapped",
+        from: "fuse_cells(cone, row, shares[cone.index], &cells);",
+        to: "let freed = row.interior; row.interior = row.arc; row.arc = freed; \
+             fuse_cells(cone, row, shares[cone.index], &cells);",
+        methods: ALL,
+        scene: few,
+    },
+    Fault {
+        what: "hit and miss are counted swapped",
+        from: "state[at] += interior;\n    state[at + 64u] += arc;",
+        to: "state[at] += arc;\n    state[at + 64u] += interior;",
+        methods: &["certainty", "bayes", "himm"],
+        scene: few,
+    },
+    Fault {
+        what: "hits and passes are swapped",
+        from: "state[at] += interior;\n    state[at + 64u] += arc;",
+        to: "state[at] += arc;\n    state[at + 64u] += interior;",
+        methods: &["truth"],
+        scene: scenes::fans,
+    },
+    Fault {
+        what: "the last reading of a tile is dropped",
+        from: "k < tile.entries.y; k++",
+        to: "k + 1u < tile.entries.y; k++",
+        methods: ALL,
+        scene: few,
+    },
+    Fault {
+        what: "the last reading of a tile is dropped",
+        from: "k < tile.entries.y; k++",
+        to: "k + 1u < tile.entries.y; k++",
+        methods: &["truth"],
+        scene: scenes::fans,
+    },
+    Fault {
+        what: "readings come in reverse order",
+        from: "let entry = entries[k];",
+        to: "let entry = entries[tile.entries.y - 1u - (k - tile.entries.x)];",
+        methods: &["certainty", "himm"],
+        scene: few,
+    },
+    Fault {
+        what: "the sums are of evidence that was not cancelled",
+        from: "sum = weigh_cells(cone, row, &cells);",
+        to: "var fresh = cells; fresh.open = vec4<f32>(1.0); sum = weigh_cells(cone, row, &fresh); \
+             let kept = weigh_cells(cone, row, &cells);",
+        methods: &["certainty", "certainty-batch"],
+        scene: few,
+    },
+    Fault {
+        what: "the sums are cancelled by the emptiness before the batch",
+        from: "sum = weigh_cells(cone, row, &cells);",
+        to: "var old = cells; sum = weigh_cells(cone, row, &old);",
+        methods: &["certainty"],
+        scene: few,
+    },
+    Fault {
+        what: "the sum leaves out its last part",
+        from: "k < first_part[reading + 1u]; k++",
+        to: "k + 1u < first_part[reading + 1u]; k++",
+        methods: &["certainty", "certainty-batch"],
+        scene: few,
+    },
+    Fault {
+        what: "a row of the evidence is left out",
+        from: "for (var row = 0u; row < TILE; row++)",
+        to: "for (var row = 1u; row < TILE; row++)",
+        methods: &["certainty", "certainty-batch"],
+        scene: few,
+    },
+    Fault {
+        what: "neighbouring tiles are swapped",
+        from: "let at = tile.slot * PLANES * 64u + lane;",
+        to: "let at = (tile.slot ^ 1u) * PLANES * 64u + lane;",
+        methods: ALL,
+        scene: few,
+    },
+    Fault {
+        what: "the count is one too many",
+        from: "atomicAdd(&parts[cone.index], cells);",
+        to: "atomicAdd(&parts[cone.index], cells + 1u);",
+        methods: &["dempster-shafer"],
+        scene: few,
+    },
+    Fault {
+        what: "cells beyond the grid are counted",
+        from: "< vec4<i32>(columns);",
+        to: "< vec4<i32>(columns + 4);",
+        methods: &["certainty", "dempster-shafer"],
+        scene: few,
+    },
+    Fault {
+        what: "a missing echo has an arc",
+        from: "if (cone.flags & NO_ECHO) != 0u {\n            row.arc = vec4<bool>(false);",
+        to: "if (cone.flags & NO_ECHO) != 0u {\n            row.interior = row.interior;",
+        methods: &["certainty", "bayes"],
+        scene: few,
+    },
+    Fault {
+        what: "the laser's band is missing",
+        from: "let inside = wedge | band;",
+        to: "let inside = wedge;",
+        methods: CONES,
+        scene: few,
+    },
+    Fault {
+        what: "the laser's band is a unit narrower",
+        from: "(abs(across) <= vec4<i32>(CELL / 2 * DIRECTION))",
+        to: "(abs(across) <= vec4<i32>((CELL / 2 - 1) * DIRECTION))",
+        methods: CONES,
+        scene: few,
+    },
+    Fault {
+        what: "a laser's edge cells are left out",
+        from: "(abs(across) <= vec4<i32>(CELL / 2 * DIRECTION))",
+        to: "(abs(across) < vec4<i32>(CELL / 2 * DIRECTION))",
+        methods: CONES,
+        scene: scenes::edges,
+    },
+    Fault {
+        what: "both edges of a wedge belong to its beam",
+        from: "-i32((cone.flags & HALF_OPEN) != 0u)",
+        to: "0",
+        methods: &["truth"],
+        scene: scenes::fans,
+    },
+    Fault {
+        what: "both edges of a far wedge belong to its beam",
+        from: "wide_from(-i32((cone.flags & HALF_OPEN) != 0u))",
+        to: "wide_from(1)",
+        methods: &["truth"],
+        scene: scenes::wide_fans,
+    },
+    Fault {
+        what: "far arcs end a unit early",
+        from: "let outer = wide_mul(cone.reach.y, cone.reach.y);",
+        to: "let outer = wide_mul(cone.reach.y - 1, cone.reach.y - 1);",
+        methods: CONES,
+        scene: scenes::wide,
+    },
+    Fault {
+        what: "far arcs leave out the cells exactly at their end",
+        from: "!wide_less(outer, d2);",
+        to: "wide_less(d2, outer);",
+        methods: CONES,
+        scene: scenes::wide,
+    },
+    Fault {
+        what: "a carry is lost",
+        from: "a.y + b.y + select(0u, 1u, low < a.x)",
+        to: "a.y + b.y",
+        methods: &["certainty", "dempster-shafer", "bayes", "himm"],
+        scene: scenes::wide,
+    },
+    Fault {
+        what: "far readings go the near way",
+        from: "if (cone.flags & WIDE) != 0u",
+        to: "if (cone.flags & WIDE) == 77u",
+        // Not himm: near the axis its differences of products are small, and come out right modulo 2³².
+        methods: CONES,
+        scene: scenes::wide,
+    },
+    Fault {
+        what: "both borders of the axis belong to it",
+        from: "(side < edge)",
+        to: "(side <= edge)",
+        methods: &["himm"],
+        scene: scenes::edges,
+    },
+    Fault {
+        what: "on the diagonal the other axis leads",
+        from: "let steep = abs(cone.axis.y) > abs(cone.axis.x);",
+        to: "let steep = abs(cone.axis.y) >= abs(cone.axis.x);",
+        methods: &["himm"],
+        scene: scenes::edges,
+    },
+    Fault {
+        what: "a hit adds two",
+        from: "const HIT: u32 = 196608u;",
+        to: "const HIT: u32 = 131072u;",
+        methods: &["himm"],
+        scene: few,
+    },
+    Fault {
+        what: "the floors are swapped",
+        from: "select(max(near, floor_two), max(near * max_occ, floor_one), arc)",
+        to: "select(max(near, floor_one * 0.9), max(near * max_occ, floor_two), arc)",
+        methods: &["bayes"],
+        scene: few,
+    },
+    Fault {
+        what: "the sums of logarithms lose their carry",
+        from: "select(zero, addend_high, on) + select(zero, vec4<u32>(1u), low < (*sum)[0])",
+        to: "select(zero, addend_high, on)",
+        methods: &["dempster-shafer", "dempster-shafer-murphy"],
+        scene: few,
+    },
+    Fault {
+        what: "the off-axis angle is a thousandth large",
+        from: "return t * p;",
+        to: "return t * p * 1.001;",
+        methods: &["certainty", "dempster-shafer-murphy", "bayes"],
+        scene: few,
+    },
+    Fault {
+        what: "the logarithm's polynomial is cut short",
+        from: "(0.29925594 * w + 0.399748) * w + 0.6666682",
+        to: "0.6666682",
+        methods: &["dempster-shafer-murphy", "bayes"],
+        scene: few,
+    },
+];
+
+#[test]
+fn every_seeded_fault_is_rejected() {
+    if gpu().is_none() {
+        return;
+    }
+    let mut scenes: BTreeMap<String, Scene> = BTreeMap::new();
+    let mut oracles = BTreeMap::new();
+    let mut unseen = Vec::new();
+    for fault in FAULTS {
+        let scene = (fault.scene)();
+        let key = |name: &str| (scene.name.clone(), scene.items.len(), name.to_string());
+        let mut patched = patched_gpu(&[(fault.from, fault.to)]).unwrap();
+        for name in fault.methods {
+            let settings = settings(name);
+            let method = method::make(settings);
+            // A fault that changes no kernel of the method would test nothing.
+            let kernels = kernels_of(method.as_ref());
+            let sources = kernels.iter().flat_map(|k| [false, true].map(|wide| source(method.as_ref(), *k, wide)));
+            assert!(
+                sources.into_iter().any(|s| s.contains(fault.from)),
+                "\"{}\": its text is not in {name}'s kernels",
+                fault.what
+            );
+            // Without the fault all is well, so it is the fault that is seen.
+            let (oracle, sound) = oracles.entry(key(name)).or_insert_with(|| {
+                let (oracle, sound) = (scene.oracle(settings), scene.gpu(settings).unwrap());
+                let wrong = against_oracle(&sound, &oracle);
+                assert!(wrong.is_empty(), "{} {name} without a fault: {wrong:?}", scene.name);
+                (oracle, sound)
+            });
+            let run = scene.run(method.as_ref(), &mut patched, BATCH);
+            let same = compare(&run.map, &sound.map, &compare::Options::default()).unwrap().equal;
+            if against_oracle(&run, oracle).is_empty() {
+                unseen.push(format!("{} in {name} on {} (bytes changed: {})", fault.what, scene.name, !same));
+            }
+        }
+        scenes.entry(scene.name.clone()).or_insert(scene);
+    }
+    assert!(unseen.is_empty(), "{} faults go unseen:\n  {}", unseen.len(), unseen.join("\n  "));
+    println!("{} faults seen on {} scenes", FAULTS.len(), scenes.len());
+}
+
+/// The comparison of two backends, without the oracle, sees a fault as well.
+#[test]
+fn cpu_against_gpu_sees_a_fault() {
+    let scene = few();
+    let Some(mut patched) = patched_gpu(&[("k < tile.entries.y; k++", "k + 1u < tile.entries.y; k++")]) else { return };
+    for name in ALL {
+        let settings = settings(name);
+        let run = scene.run(method::make(settings).as_ref(), &mut patched, BATCH);
+        let cpu = scene.cpu(settings);
+        let found = compare(&run.map, &cpu.map, &compare::Options::default()).unwrap();
+        assert!(!found.equal, "{name}");
+        let differing = found.layers.iter().find(|l| l.differ > 0).unwrap();
+        let worst = differing.worst.unwrap();
+        assert!(worst.column < scene.grid.width && worst.row < scene.grid.height);
+        assert!(run.visits != cpu.visits, "{name}");
+    }
+}
+
+/// A failure leaves pictures of both sides, and names the worst cell.
+#[test]
+fn a_failure_says_where_and_leaves_pictures() {
+    let (scene, settings) = (few(), settings("bayes"));
+    let oracle = scene.oracle(settings);
+    let mut run = scene.cpu(settings);
+    let k = (0..scene.grid.cells()).find(|&k| oracle.arc[k] > 0).unwrap();
+    if let echogrid::grid::Data::F32(odds) = &mut run.map.layers[0].data {
+        odds[k] += 1.0;
+    }
+    let caught = std::panic::catch_unwind(|| crate::common::assert_oracle("a failure on purpose", &run, &oracle));
+    let message = *caught.unwrap_err().downcast::<String>().unwrap();
+    let at = format!("cell {},{}", k % scene.grid.width, k / scene.grid.width);
+    assert!(message.contains(&at) && message.contains("log_odds: 1 cells"), "{message}");
+    let folder = message.rsplit_once("pictures in ").unwrap().1;
+    for side in ["a", "b", "difference"] {
+        let picture = std::path::Path::new(folder).join(format!("log_odds.{side}.png"));
+        assert!(picture.is_file(), "{}", picture.display());
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// `echogrid verify` itself: passes as it is, and fails with a fault in the kernels.
+#[test]
+fn verify_rejects_faults() {
+    let mut scene = few();
+    scene.sensors.iter_mut().enumerate().for_each(|(k, s)| s.id = k.to_string());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.jsonl");
+    let mut writer = Writer::new(Vec::new(), &scene.sensors, &[]).unwrap();
+    for (k, (reading, _)) in scene.items.iter().enumerate() {
+        let missing = reading.outcome == Outcome::NoEcho;
+        let range = if missing { f64::INFINITY } else { reading.range };
+        writer.write(&Record { range, scan: k as u64, ..reading.record }).unwrap();
+    }
+    std::fs::write(&path, writer.finish().unwrap()).unwrap();
+    for (what, from, to) in [
+        ("nothing", "", ""),
+        ("a dropped reading", "k < tile.entries.y; k++", "k + 1u < tile.entries.y; k++"),
+        ("an arc cut short", "(d2 <= vec4<i32>(outer))", "(d2 <= vec4<i32>(outer - outer / 50))"),
+        ("a wrong product", "bitcast<vec4<u32>>(cells.clear)", "bitcast<vec4<u32>>(cells.clear * 0.999)"),
+    ] {
+        let patches: &[(&str, &str)] = if from.is_empty() { &[] } else { &[(from, to)] };
+        let Some(mut gpu) = patched_gpu(patches) else { return };
+        let request = Request {
+            log: log::Options::default(),
+            settings: settings("certainty"),
+            resolution: 0.1,
+            bounds: Some([0.0, 0.0, 3.7, 5.3]),
+            until: None,
+            strict: true,
+        };
+        let session = Session::open(&path, &request).unwrap();
+        let oracle = session.oracle().unwrap();
+        let mapped = session.map(&mut gpu, BATCH, &|_| {}).unwrap();
+        let wrong = u64::from(
+            (mapped.counts.outside, mapped.counts.empty_arc, mapped.counts.wide)
+                != (oracle.outside, oracle.empty_arc, oracle.wide),
+        );
+        let adapter = gpu.found().to_string();
+        let check = verify::check(&session, &oracle, &mapped.finished, ("gpu", adapter), wrong, 0.0).unwrap();
+        assert_eq!(check.passed, from.is_empty(), "{what}: {check:?}");
+        if !check.passed {
+            let named =
+                check.membership_cell.is_some() || check.layers.iter().any(|l| l.beyond > 0 && l.worst.is_some());
+            assert!(named, "{what}: no cell is named: {check:?}");
+        }
+    }
+}

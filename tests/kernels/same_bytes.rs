@@ -1,0 +1,113 @@
+//! The same bytes whatever the batch, the number of threads and the run.
+
+use crate::common::{Scene, assert_same, every_settings, gpu};
+use crate::scenes;
+use echogrid::kernels::cpu::Cpu;
+use echogrid::mapper::BATCH;
+use echogrid::method;
+use echogrid::method::settings::Settings;
+
+/// The real log, or without it a made-up one; for the truth a fan.
+fn log(settings: Settings) -> Scene {
+    if settings == Settings::Truth {
+        return scenes::fans();
+    }
+    scenes::real("sonar_ring_8/test1", 0.1, false).unwrap_or_else(scenes::ragged)
+}
+
+fn first(mut scene: Scene, readings: usize) -> Scene {
+    scene.items.truncate(readings);
+    scene
+}
+
+#[test]
+fn batches_on_the_cpu() {
+    for (name, settings) in every_settings() {
+        let (method, scene) = (method::make(settings), log(settings));
+        let whole = scene.cpu(settings);
+        for batch in [7, 1000] {
+            let run = scene.run(method.as_ref(), &mut Cpu::new(0).unwrap(), batch);
+            assert_same(&format!("{name}, batches of {batch}, cpu"), &run, &whole);
+            assert_eq!(run.work.batches, (scene.items.len().div_ceil(batch) * method.sweeps().len()) as u64);
+        }
+        let one = scene.run(method.as_ref(), &mut Cpu::new(0).unwrap(), 1);
+        assert_same(&format!("{name}, batches of 1, cpu"), &one, &whole);
+    }
+}
+
+#[test]
+fn batches_on_the_gpu() {
+    for (name, settings) in every_settings() {
+        let (method, whole) = (method::make(settings), log(settings));
+        let Some(at_once) = whole.gpu(settings) else { continue };
+        let Some(mut gpu) = gpu() else { return };
+        let run = whole.run(method.as_ref(), &mut *gpu, 1000);
+        assert_same(&format!("{name}, batches of 1000, gpu"), &run, &at_once);
+        let few = first(whole, 210);
+        let at_once = few.run(method.as_ref(), &mut *gpu, BATCH);
+        for batch in [1, 7] {
+            let run = few.run(method.as_ref(), &mut *gpu, batch);
+            assert_same(&format!("{name}, batches of {batch}, gpu"), &run, &at_once);
+        }
+    }
+}
+
+#[test]
+fn threads() {
+    for (name, settings) in every_settings() {
+        let (method, scene) = (method::make(settings), log(settings));
+        let [one, two, five] = [1, 2, 5].map(|n| scene.run(method.as_ref(), &mut Cpu::new(n).unwrap(), 500));
+        assert_same(&format!("{name}, 1 and 2 threads"), &one, &two);
+        assert_same(&format!("{name}, 1 and 5 threads"), &one, &five);
+    }
+}
+
+#[test]
+fn runs() {
+    for (name, settings) in every_settings() {
+        let scene = log(settings);
+        assert_same(&format!("{name}, twice, cpu"), &scene.cpu(settings), &scene.cpu(settings));
+        if let (Some(a), Some(b)) = (scene.gpu(settings), scene.gpu(settings)) {
+            assert_same(&format!("{name}, twice, gpu"), &a, &b);
+        }
+    }
+}
+
+#[test]
+fn an_entry_limit_that_splits_batches_changes_nothing() {
+    /// A cpu that takes few entries at a time.
+    struct Small(Cpu, usize);
+    impl echogrid::kernels::Backend for Small {
+        fn name(&self) -> &'static str {
+            "small"
+        }
+        fn adapter(&self) -> String {
+            String::new()
+        }
+        fn entry_limit(&self) -> usize {
+            self.1
+        }
+        fn apply(
+            &mut self,
+            method: &dyn method::Method,
+            frame: echogrid::layout::Frame,
+            batch: &echogrid::batch::Batch,
+            outcomes: echogrid::kernels::Outcomes,
+            sweep: usize,
+        ) -> echogrid::Result<()> {
+            assert!(batch.chunks.iter().all(|c| c.entries.len() <= self.1));
+            assert_eq!(outcomes.len(), batch.cones.len());
+            self.0.apply(method, frame, batch, outcomes, sweep)
+        }
+        fn finish(&mut self, method: &dyn method::Method) -> echogrid::Result<echogrid::kernels::Chunks> {
+            self.0.finish(method)
+        }
+    }
+    for (name, settings) in every_settings() {
+        let (method, scene) = (method::make(settings), first(log(settings), 800));
+        let mut small = Small(Cpu::new(0).unwrap(), 400);
+        let run = scene.run(method.as_ref(), &mut small, BATCH);
+        assert!(run.work.batches > 1);
+        assert_same(&format!("{name}, split by the entry limit"), &run, &scene.cpu(settings));
+    }
+}
