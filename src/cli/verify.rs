@@ -1,24 +1,16 @@
 //! `echogrid verify`.
 
 use super::common::{LogArguments, done, warn_of_bad_lines};
-<<<<<<< HEAD
 use super::{note, say};
-=======
-use super::say;
 use crate::compare::{Options, compare, write_pictures};
->>>>>>> main
-use crate::kernels::{Choice, choose, gpu_required};
+use crate::kernels::{Choice, Chosen, choose, gpu_required};
 use crate::layers;
 use crate::mapper::Finished;
 use crate::oracle::OracleMap;
 use crate::session::Session;
 use crate::verify::{Verification, check, same_bytes};
-<<<<<<< HEAD
 use crate::{Error, Result, method};
-=======
-use crate::{Error, Result, memory, method};
 use std::path::PathBuf;
->>>>>>> main
 use std::time::Instant;
 
 /// A backend that `verify` can run.
@@ -57,6 +49,7 @@ impl Verify {
         let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
         let readings = session.survey.counts.used * 200;
         session.check_memory(2 * session.memory(self.log.batch) + oracle_cells + readings, None)?;
+        let (backends, skipped) = self.open(&session)?;
         let started = Instant::now();
         let oracle = session.oracle()?;
         let mut result = Verification {
@@ -67,23 +60,11 @@ impl Verify {
             oracle_seconds: started.elapsed().as_secs_f64(),
             backends: Vec::new(),
             same_bytes: None,
-            skipped: Vec::new(),
+            skipped,
             passed: true,
         };
         let mut maps: Vec<Finished> = Vec::new();
-        for (kind, choice) in [(Checked::Cpu, Choice::Cpu), (Checked::Gpu, Choice::Gpu)] {
-            if !self.backends.contains(&kind) {
-                continue;
-            }
-            let mut chosen = match choose(choice, session.method.as_ref(), self.log.threads) {
-                Ok(chosen) => chosen,
-                // What no adapter could do is no missing adapter.
-                Err(Error::NoAdapter(why)) if !gpu_required() || session.method.cpu_only().is_some() => {
-                    result.skipped.push(format!("gpu: {why}"));
-                    continue;
-                }
-                Err(e) => return Err(e),
-            };
+        for mut chosen in backends {
             let started = Instant::now();
             let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|_| {})?;
             let seconds = started.elapsed().as_secs_f64();
@@ -102,14 +83,6 @@ impl Verify {
         if let [a, b] = &maps[..] {
             result.same_bytes = Some(same_bytes(a, b));
         }
-        if result.backends.is_empty() {
-            return Err(match result.skipped.join("; ") {
-                why if why.is_empty() => {
-                    Error::Usage("the oracle alone proves nothing: give --backends cpu, gpu or both".into())
-                }
-                why => Error::NoAdapter(format!("there is nothing to verify: {why}; or give --backends cpu")),
-            });
-        }
         if self.json {
             say!("{}", serde_json::to_string_pretty(&result).unwrap_or_default());
             for why in &result.skipped {
@@ -121,6 +94,33 @@ impl Verify {
         Ok(if result.passed { done(&session) } else { 1 })
     }
 
+    /// The backends to compare, and why others are skipped: an adapter that is missing is told before the long run.
+    fn open(&self, session: &Session) -> Result<(Vec<Chosen>, Vec<String>)> {
+        let (mut backends, mut skipped) = (Vec::new(), Vec::new());
+        for (kind, choice) in [(Checked::Cpu, Choice::Cpu), (Checked::Gpu, Choice::Gpu)] {
+            if !self.backends.contains(&kind) {
+                continue;
+            }
+            match choose(choice, session.method.as_ref(), self.log.threads) {
+                Ok(chosen) => backends.push(chosen),
+                // What no adapter could do is no missing adapter.
+                Err(Error::NoAdapter(why)) if !gpu_required() || session.method.cpu_only().is_some() => {
+                    skipped.push(format!("gpu: {why}"));
+                }
+                Err(e) => return Err(e),
+            }
+        }
+        if !backends.is_empty() {
+            return Ok((backends, skipped));
+        }
+        Err(match skipped.join("; ") {
+            why if why.is_empty() => {
+                Error::Usage("the oracle alone proves nothing: give --backends cpu, gpu or both".into())
+            }
+            why => Error::NoAdapter(format!("there is nothing to verify: {why}; or give --backends cpu")),
+        })
+    }
+
     /// Pictures of the last backend, if it failed and they are wanted.
     fn draw(&self, session: &Session, oracle: &OracleMap, result: &Verification, map: &Finished) -> Result<()> {
         let (Some(folder), Some(last)) = (&self.pictures, result.backends.last().filter(|b| !b.passed)) else {
@@ -129,7 +129,7 @@ impl Verify {
         let reference = layers::from_oracle(oracle, session.method.as_ref());
         let differences = compare(&reference.map, &map.map, &Options::default())?;
         for path in write_pictures(&reference.map, &map.map, &differences, &folder.join(&last.backend))? {
-            eprintln!("echogrid: see {}", path.display());
+            note!("see {}", path.display());
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ fn options() -> Vec<(&'static str, Vec<&'static str>)> {
     let log = |more: &[&'static str]| [&LOG[..], &["--threads"], more].concat();
     vec![
         ("map", log(&["--output", "--backend", "--memory", "--working", "--npy", "--json", "--quiet"])),
-        ("verify", log(&["--backends", "--json"])),
+        ("verify", log(&["--backends", "--pictures", "--json"])),
         ("plan", log(&["--json"])),
         ("compare", vec!["--tol", "--common", "--pictures", "--json"]),
         ("doctor", vec!["--json"]),
