@@ -102,9 +102,9 @@ impl Preamble {
     pub fn offers(&self, kind: Option<Kind>) -> std::result::Result<(), String> {
         match kind {
             Some(kind) if self.sensors.iter().all(|s| s.kind.unwrap_or(Kind::Sonar) != kind) => Err(match kind {
-                Kind::Sonar => "the log has no sonar, only lasers: leave out --sensor sonar",
+                Kind::Sonar => "the log has no sonar sensor, only lasers: leave out --sensor sonar",
                 Kind::Laser => {
-                    "the log has no laser, only sonars: leave out --sensor laser (method truth needs a laser log)"
+                    "the log has no laser sensor, only sonars: leave out --sensor laser (method truth needs a laser log)"
                 }
             }
             .into()),

@@ -226,7 +226,7 @@ fn a_pose_that_jumps_is_named_where_it_makes_the_grid_too_large() {
 #[test]
 fn sensors_that_do_not_fit() {
     let place = Place::new();
-    let no_laser = "echogrid: log.jsonl:1: the log has no laser, only sonars: leave out --sensor laser (method truth needs \
+    let no_laser = "echogrid: log.jsonl:1: the log has no laser sensor, only sonars: leave out --sensor laser (method truth needs \
                     a laser log)";
     place.refuses(&["map", "log.jsonl", "-o", "out", "--sensor", "laser"], 3, no_laser);
     place.refuses(&["map", "log.jsonl", "-o", "out", "--method", "truth"], 3, no_laser);

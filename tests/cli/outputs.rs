@@ -148,3 +148,39 @@ fn folders_above_are_made_and_go_again_after_an_error() {
     place.map("a/b/c/out", &[]);
     assert_eq!(place.names("a/b/c"), ["out"]);
 }
+
+#[test]
+fn a_second_run_is_refused_and_a_killed_one_cleaned_up() {
+    let place = Place::new();
+    place.map("out", &[]);
+    let before = std::fs::read(place.path("out/report.json")).unwrap();
+    // A run that waits for its standard input has opened its folder.
+    let mut waiting = std::process::Command::new(place.command(&[]).get_program())
+        .args(["map", "-", "-o", "out", "--backend", "cpu"])
+        .current_dir(place.path(""))
+        .stdin(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let partial = place.path("out.partial/.echogrid-partial");
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(20);
+    while !partial.exists() && std::time::Instant::now() < deadline {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    // The marker is locked a moment after it is made.
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    let ran = place.run(&["map", "log.jsonl", "-o", "out"]);
+    assert_eq!(
+        (ran.code, ran.err.as_str()),
+        (
+            5,
+            "echogrid: HERE/out.partial can't be the output: another run is writing it; wait for that run, or give \
+             another folder with -o\n"
+        )
+    );
+    waiting.kill().unwrap();
+    waiting.wait().unwrap();
+    assert_eq!(place.names(""), ["log.jsonl", "out", "out.partial", "run"]);
+    assert_eq!(std::fs::read(place.path("out/report.json")).unwrap(), before);
+    place.map("out", &["--method", "himm"]);
+    assert_eq!(place.names(""), ["log.jsonl", "out", "run"]);
+}
