@@ -1,4 +1,4 @@
-// One over the sum of each reading's parts, in tile order; twin of src/kernels/cpu/mod.rs (sums).
+// The sum of each reading's parts, in tile order; twin of src/kernels/cpu/mod.rs (sums).
 //
 // A thread a reading.
 
@@ -12,9 +12,5 @@ fn sum(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var k = first_part[reading]; k < first_part[reading + 1u]; k++) {
         sum += bitcast<f32>(atomicLoad(&parts[k]));
     }
-    var normaliser = 0.0;
-    if sum > 0.0 {
-        normaliser = 1.0 / sum;
-    }
-    shares[reading] = vec4<u32>(bitcast<u32>(normaliser), 0u, 0u, 0u);
+    shares[reading] = vec4<u32>(bitcast<u32>(sum), 0u, 0u, 0u);
 }

@@ -2,8 +2,10 @@
 
 const PLANES: u32 = 4u;
 
-// 1 − Emp below this is 0: the spacing of f64 just below 1, halved.
-const CERTAIN: f32 = 5.551115e-17;
+// Below this a complement is counted in units of 2⁻⁵³.
+const NEARLY: f32 = 4.656613e-10;
+// Units in 1.
+const UNITS: f32 = 9.007199e15;
 
 // The complements of four cells' certainties.
 struct Cells {
@@ -21,10 +23,30 @@ fn not_emp(profile: vec4<f32>, d: vec4<f32>, turn: vec4<f32>) -> vec4<f32> {
     return p2 + t2 * (1.0 - p2);
 }
 
+// The complement of E + (e − E·e), from those of E and of e: their product, and where E is nearly 1 what f64 makes of it: the
+// bracket is rounded to the last place of e, the sum to that of E, both half to even.
+fn enhanced(rest: vec4<f32>, not_e: vec4<f32>) -> vec4<f32> {
+    let e = 1.0 - not_e;
+    let exponent = min(bitcast<vec4<i32>>(e) >> vec4<u32>(23u), vec4<i32>(126));
+    let place = bitcast<vec4<f32>>((exponent + 1) << vec4<u32>(23u));
+    let per_place = bitcast<vec4<f32>>((253 - exponent) << vec4<u32>(23u));
+    let units = rest * UNITS;
+    let gone = round(e * units * per_place) * place;
+    let product = rest * not_e;
+    let left = select(product * UNITS, units - gone, rest < vec4<f32>(NEARLY));
+    return select(product, round(left) * (1.0 / UNITS), min(rest, product) < vec4<f32>(NEARLY));
+}
+
 // Occ_k = (1 − ((d − R)/ε)²)(1 − t²).
 fn occ(profile: vec4<f32>, d: vec4<f32>, turn: vec4<f32>) -> vec4<f32> {
     let e = (d - profile.z) * profile.w;
     return max(1.0 - e * e, vec4<f32>(0.0)) * max(1.0 - turn * turn, vec4<f32>(0.0));
+}
+
+// 1 − Occ_k/Σ Occ_k: 0 for a cell that has all of it, 1 for every cell if there is none.
+fn not_normalised(evidence: vec4<f32>, sum: f32) -> vec4<f32> {
+    let part = select(vec4<f32>(1.0), evidence / sum, evidence < vec4<f32>(sum));
+    return select(vec4<f32>(1.0), 1.0 - part, sum > 0.0);
 }
 
 fn member_row(cone: Cone, v: vec2<i32>) -> Row {
@@ -43,8 +65,7 @@ fn store(cells: Cells, at: u32) {
 fn weigh_cells(cone: Cone, row: Row, cells: ptr<function, Cells>) -> vec4<f32> {
     let at = polar(cone, row);
     let free = vec4<bool>((frame.mode & FREE) != 0u);
-    var open = (*cells).open * not_emp(cone.profile, at.distance, at.turn);
-    open = select(open, vec4<f32>(0.0), open < vec4<f32>(CERTAIN));
+    let open = enhanced((*cells).open, not_emp(cone.profile, at.distance, at.turn));
     (*cells).open = select((*cells).open, open, row.interior & free);
     let occupied = occ(cone.profile, at.distance, at.turn) * (*cells).open;
     return select(vec4<f32>(0.0), occupied, row.arc);
@@ -55,6 +76,6 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
     if (frame.mode & OCCUPY) == 0u {
         return;
     }
-    let normaliser = bitcast<f32>(share.x);
-    (*cells).clear = (*cells).clear * max(1.0 - evidence * normaliser, vec4<f32>(0.0));
+    let clear = enhanced((*cells).clear, not_normalised(evidence, bitcast<f32>(share.x)));
+    (*cells).clear = select((*cells).clear, clear, row.arc);
 }

@@ -4,8 +4,9 @@
 //! alone (weigh), and a second pass (fuse), knowing the sums, updates both: two passes with the sequential meaning.
 //!
 //! A cell keeps the complements 1 − Emp and 1 − Occ, which are products: 1 − (E + e − E·e) = (1 − E)(1 − e). So 1 − Emp
-//! keeps its relative precision where Emp is nearly 1, and cancelling there means something in f32. Below 2⁻⁵⁴ it is cut
-//! to 0, as 1 − Emp is in IEEE double precision: a cell surely empty takes no occupancy.
+//! keeps its relative precision where Emp is nearly 1, and cancelling there means something in f32. Very near 1 both follow
+//! IEEE double precision, in which a certainty moves by whole units of 2⁻⁵³ and stops at 1: a cell surely empty takes no
+//! occupancy.
 
 use super::settings::{Certainty, Order, Settings};
 use super::{Entry, LayerSpec, Method, Pass, Step};
@@ -29,8 +30,10 @@ pub const ENTRY: Entry = Entry {
     },
 };
 
-/// 1 − Emp below this is 0: the spacing of f64 just below 1, halved.
-const CERTAIN: f32 = 5.551_115e-17;
+/// Below this a complement is counted in units of 2⁻⁵³.
+const NEARLY: f32 = 4.656_613e-10;
+/// Units in 1.
+const UNITS: f32 = 9.007_199e15;
 
 /// The complements of a row's certainties.
 #[derive(Debug, Clone, Copy)]
@@ -48,6 +51,21 @@ fn not_emp(profile: [f32; 4], d: f32, turn: f32) -> f32 {
     let p2 = min(p * p, 1.0);
     let t2 = min(turn * turn, 1.0);
     p2 + t2 * (1.0 - p2)
+}
+
+/// The complement of E + (e − E·e), from those of E and of e: their product, and where E is nearly 1 what f64 makes of it:
+/// the bracket is rounded to the last place of e, the sum to that of E, both half to even.
+#[inline(always)]
+fn enhanced(rest: f32, not_e: f32) -> f32 {
+    let e = 1.0 - not_e;
+    let exponent = ((e.to_bits() >> 23) as i32).min(126);
+    let place = f32::from_bits(((exponent + 1) << 23) as u32);
+    let per_place = f32::from_bits(((253 - exponent) << 23) as u32);
+    let units = rest * UNITS;
+    let gone = (e * units * per_place).round_ties_even() * place;
+    let product = rest * not_e;
+    let left = if rest < NEARLY { units - gone } else { product * UNITS };
+    if min(rest, product) < NEARLY { left.round_ties_even() * (1.0 / UNITS) } else { product }
 }
 
 /// Occ_k = (1 − ((d − R)/ε)²)(1 − t²).
@@ -70,6 +88,13 @@ const LAYERS: &[LayerSpec] = &[
     layer("map", "occ where occ >= emp, else -emp", Scale::Signed { limit: 1.0 }),
 ];
 
+/// 1 − Occ_k/Σ Occ_k: 0 for a cell that has all of it, 1 for every cell if there is none.
+#[inline(always)]
+fn not_normalised(evidence: f32, sum: f32) -> f32 {
+    let part = if evidence < sum { evidence / sum } else { 1.0 };
+    if sum > 0.0 { 1.0 - part } else { 1.0 }
+}
+
 impl Kernel for Certainty {
     type Cells = Cells;
 
@@ -90,8 +115,7 @@ impl Kernel for Certainty {
         let free = frame.mode & FREE != 0;
         let mut evidence = [0.0; TILE];
         for k in 0..TILE {
-            let open = cells.open[k] * not_emp(cone.profile, d[k], turn[k]);
-            let open = if open < CERTAIN { 0.0 } else { open };
+            let open = enhanced(cells.open[k], not_emp(cone.profile, d[k], turn[k]));
             cells.open[k] = if (row.interior[k] != 0) & free { open } else { cells.open[k] };
             let occupied = occ(cone.profile, d[k], turn[k]) * cells.open[k];
             evidence[k] = if row.arc[k] != 0 { occupied } else { 0.0 };
@@ -105,9 +129,10 @@ impl Kernel for Certainty {
         if frame.mode & OCCUPY == 0 {
             return;
         }
-        let normaliser = f32::from_bits(share[0]);
+        let sum = f32::from_bits(share[0]);
         for k in 0..TILE {
-            cells.clear[k] *= max(1.0 - evidence[k] * normaliser, 0.0);
+            let clear = enhanced(cells.clear[k], not_normalised(evidence[k], sum));
+            cells.clear[k] = if row.arc[k] != 0 { clear } else { cells.clear[k] };
         }
     }
 }

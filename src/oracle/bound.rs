@@ -16,9 +16,6 @@ const DISTANCE: f64 = 12.0 * U;
 /// division 5 u, P by Horner 8 u and its argument's effect 3 u, the product 1 u; and 2e-8 for the polynomial itself.
 const THETA: f64 = 32.0 * U + 2e-8;
 
-/// Below this a kernel cuts 1 − Emp to 0, as f64 does.
-pub(super) const CUT: f64 = 1.0 / (1u64 << 54) as f64;
-
 /// A value and the most by which a kernel's may differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Approx {

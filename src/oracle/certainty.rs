@@ -4,7 +4,7 @@
 //! recursion, whose saturation at exactly 1 is part of its result. Intervals follow what a kernel may hold; a bound is the
 //! farthest end of its interval from the reference.
 
-use super::bound::{Approx, CUT, U, depth, offset, turn};
+use super::bound::{Approx, U, depth, offset, turn};
 use super::cone::{Cell, Cone};
 use super::{Finished, OracleLayer, Region, Tally};
 use crate::grid::GridSpec;
@@ -49,10 +49,58 @@ impl Range {
         Range { low: if low < f64::from(f32::MIN_POSITIVE) { 0.0 } else { low }, high }
     }
 
+    /// A kernel's next complement, `factor` that of the evidence, rounded so often: the product; below [`NEARLY`] whole
+    /// units of 2⁻⁵³ ([`units_left`]).
+    fn enhanced(self, factor: Range, roundings: f64) -> Range {
+        let whole = |v: f64| if v < NEARLY { (v * UNITS).round_ties_even() / UNITS } else { v };
+        let product = self.times(factor, roundings);
+        let product = Range { low: whole(product.low), high: whole(product.high) };
+        if self.low >= NEARLY {
+            return product;
+        }
+        // The evidence as the kernel has it: the factor's roundings, 1 − factor, its product.
+        let slack = (roundings + 1.0) * U;
+        let least = (1.0 - factor.high - slack).max(0.0) * (1.0 - 2.0 * U);
+        let most = (1.0 - factor.low + slack).min(1.0) * (1.0 + 2.0 * U);
+        let (low, sure_low) = units_left(self.low * UNITS, most);
+        let (high, sure_high) = units_left(self.high.min(NEARLY) * UNITS, least);
+        // Unsure: a tie that f32 may break otherwise, or evidence on either side of a power of two.
+        let same_place = place(least) == place(most);
+        let widen = |sure: bool| if sure && same_place { 0.0 } else { 1.0 };
+        let low = (low - widen(sure_low)).max(0.0) / UNITS;
+        let high = (high + widen(sure_high)) / UNITS;
+        if self.high < NEARLY {
+            return Range { low, high };
+        }
+        Range { low: low.min(product.low), high: high.max(product.high) }
+    }
+
     /// The farthest that 1 − x lies from `reference`, x in the range.
     fn off_complement(self, reference: f64) -> f64 {
         (1.0 - self.low - reference).abs().max((1.0 - self.high - reference).abs())
     }
+}
+
+/// Below this a kernel counts 1 − Emp in units of 2⁻⁵³.
+const NEARLY: f64 = 1.0 / (1u64 << 31) as f64;
+/// Units in 1.
+const UNITS: f64 = (1u64 << 53) as f64;
+
+/// The last place of Emp_k in f64, in units of 2⁻⁵³; at most 1, that of the product with an Emp below 1.
+fn place(emp: f64) -> f64 {
+    if emp > 0.0 { (emp.log2().floor() + 1.0).exp2().min(1.0) } else { f64::MIN_POSITIVE }
+}
+
+/// What is left of so many units after a reading, and whether f32 is sure to find the same: f64 rounds Emp·Emp_k to the
+/// last place of Emp_k, and the sum to a whole unit.
+fn units_left(units: f64, emp: f64) -> (f64, bool) {
+    let place = place(emp);
+    let gone = (emp * units / place).round_ties_even() * place;
+    let rest = units - gone;
+    let tie = (rest - rest.floor() - 0.5).abs() <= units * 4.0 * U;
+    // An exact tie of representable numbers is broken alike.
+    let exact = units <= place / U;
+    (rest.round_ties_even(), exact || !tie)
 }
 
 /// The state of a map: Emp and Occ by the literal recursion, and what a kernel's Q and S lie between.
@@ -81,16 +129,14 @@ impl State {
         State { emp: vec![0.0; cells], occ: vec![0.0; cells], q: one(), s: one() }
     }
 
-    /// Step (a): frees the interior of one reading. A kernel's Q ← Q·(1 − Emp_k), cut to 0 below 2⁻⁵⁴.
+    /// Step (a): frees the interior of one reading. A kernel's Q ← Q·(1 − Emp_k), near 0 in whole units as f64 counts.
     pub fn free(&mut self, cone: &Cone, cells: &[Cell]) {
         for cell in cells.iter().filter(|c| c.region == Region::Interior) {
             let (d, theta) = cone.polar(cell.v);
             let evidence = emp_k(d, theta, cone.span, cone.r_min, cone.beta);
             let error = factor_bound(depth(cone, d), turn(theta, cone.beta));
             let factor = around(1.0 - evidence, error + 1e-15, 1.0 + 4.0 * U);
-            let q = self.q[cell.index].times(factor, 1.0);
-            let cut = |v: f64| if v < CUT { 0.0 } else { v };
-            self.q[cell.index] = Range { low: cut(q.low), high: cut(q.high) };
+            self.q[cell.index] = self.q[cell.index].enhanced(factor, 1.0);
             self.emp[cell.index] = enhance(self.emp[cell.index], evidence);
         }
     }
@@ -128,7 +174,7 @@ impl State {
     pub fn occupy(&mut self, arc: &[Arc]) {
         for a in arc {
             let rest = Range { low: 1.0 - a.kernel.high, high: 1.0 - a.kernel.low };
-            self.s[a.index] = self.s[a.index].times(rest, 2.0);
+            self.s[a.index] = self.s[a.index].enhanced(rest, 2.0);
             self.occ[a.index] = enhance(self.occ[a.index], a.normalised);
         }
     }

@@ -39,6 +39,16 @@ fn region(cell: &Cell, fault: Fault) -> Region {
     }
 }
 
+/// The next complement: the product, and very near 0 the recursion itself in f64.
+fn enhance(rest: f32, not_e: f32) -> f32 {
+    let product = rest * not_e;
+    if rest >= 2f32.powi(-31) {
+        let units = f64::from(product) * 2f64.powi(53);
+        return if product < 2f32.powi(-31) { (units.round_ties_even() / 2f64.powi(53)) as f32 } else { product };
+    }
+    (1.0 - super::certainty::enhance(1.0 - f64::from(rest), f64::from(1.0 - not_e))) as f32
+}
+
 fn certainty(size: usize, readings: &[(&Cone, Vec<Cell>)], fault: Fault) -> Vec<Vec<f32>> {
     let (mut q, mut s) = (vec![1f32; size], vec![1f32; size]);
     for (cone, cells) in readings {
@@ -49,8 +59,7 @@ fn certainty(size: usize, readings: &[(&Cone, Vec<Cell>)], fault: Fault) -> Vec<
             if region(cell, fault) == Region::Interior {
                 let inverse = if cone.span > 0.0 { (1.0 / cone.span) as f32 } else { 0.0 };
                 let p = ((d - cone.r_min as f32).max(0.0) * inverse).min(1.0);
-                let next = q[cell.index] * (p * p + t * t - p * p * t * t);
-                q[cell.index] = if next < 2f32.powi(-54) { 0.0 } else { next };
+                q[cell.index] = enhance(q[cell.index], p * p + t * t - p * p * t * t);
             } else {
                 let narrow = if fault == Fault::NarrowBand { 0.9 } else { 1.0 };
                 let z = (d - cone.range as f32) * (1.0 / (cone.epsilon * narrow)) as f32;
@@ -62,7 +71,7 @@ fn certainty(size: usize, readings: &[(&Cone, Vec<Cell>)], fault: Fault) -> Vec<
         }
         let sum: f32 = arc.iter().map(|a| a.1).sum();
         for (index, v) in arc.into_iter().filter(|_| sum > 0.0) {
-            s[index] *= (1.0 - v / sum).max(0.0);
+            s[index] = enhance(s[index], (1.0 - v / sum).max(0.0));
         }
     }
     let map = q.iter().zip(&s).map(|(q, s)| if s <= q { 1.0 - s } else { q - 1.0 }).collect();

@@ -118,29 +118,3 @@ fn bayes_on_a_real_log() {
     near_sum(&map, "log_odds", -288424.92);
     run(0.1, &Settings::of("bayes").unwrap()).unwrap();
 }
-
-/// Not a test of values: how long the reference takes on a scene of 50 million updates.
-#[test]
-#[ignore = "a benchmark"]
-fn large_scene() {
-    let grid = GridSpec::from_bounds([0.0, 0.0, 102.4, 102.4], 0.1).unwrap();
-    let at = |k: u32, step: u32| f64::from(k.wrapping_mul(step) % 10007) / 10007.0;
-    let drive = |k: u32| reading(102.4 * at(k, 7919), 102.4 * at(k, 104_729), 6.3 * at(k, 1299), 9.9, Outcome::Hit);
-    let readings: Vec<Reading> = (0..20_000).map(drive).collect();
-    for method in ["certainty", "dempster-shafer", "bayes", "himm"] {
-        let started = std::time::Instant::now();
-        let map = map(&grid, &[sonar(15.0)], &readings, &Settings::of(method).unwrap(), None).unwrap();
-        eprintln!("{method}: {} updates in {:.2} s", map.updates, started.elapsed().as_secs_f64());
-    }
-}
-
-#[test]
-fn himm_on_a_real_log() {
-    let Some(map) = run(0.1, &Settings::of("himm").unwrap()) else { return };
-    assert_eq!(map.updates, 97_909);
-    assert_eq!(classes(&map), (764, 11743));
-    near_sum(&map, "count", 4508.0);
-    let mut gro = Settings::of("himm").unwrap();
-    gro.set("gro", "true").unwrap();
-    run(0.1, &gro).unwrap();
-}

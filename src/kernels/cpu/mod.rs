@@ -117,7 +117,7 @@ fn run(
     });
 }
 
-/// One over the sum of each reading's parts, in tile order; twin of `shaders/driver/sum.wgsl`.
+/// The sum of each reading's parts, in tile order; twin of `shaders/driver/sum.wgsl`.
 fn sums(batch: &Batch, parts: &[AtomicU32]) -> Vec<[u32; 4]> {
     let part = |k: u32| f32::from_bits(parts[k as usize].load(Ordering::Relaxed));
     batch
@@ -125,8 +125,7 @@ fn sums(batch: &Batch, parts: &[AtomicU32]) -> Vec<[u32; 4]> {
         .windows(2)
         .map(|w| {
             let sum = (w[0]..w[1]).fold(0.0, |sum, k| sum + part(k));
-            let normaliser: f32 = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-            [normaliser.to_bits(), 0, 0, 0]
+            [f32::to_bits(sum), 0, 0, 0]
         })
         .collect()
 }
