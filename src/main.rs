@@ -1,6 +1,7 @@
 //! The `echogrid` command: parse, run, print an error once, exit with its code.
 
 use clap::Parser;
+use std::io::Write;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -8,7 +9,8 @@ fn main() -> ExitCode {
     match arguments.run() {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            eprintln!("echogrid: {error}");
+            // A reader that went away is no second error.
+            let _ = writeln!(std::io::stderr(), "echogrid: {error}");
             ExitCode::from(error.exit_code())
         }
     }

@@ -28,9 +28,10 @@ pub fn parse(text: &str) -> std::result::Result<u64, String> {
 /// A size for people.
 pub fn show(bytes: u64) -> String {
     match bytes as f64 {
-        b if b < 1e6 => format!("{:.0} KiB", b / 1024.0),
-        b if b < 1e9 => format!("{:.0} MiB", b / 1048576.0),
-        b => format!("{:.1} GiB", b / 1073741824.0),
+        b if b < 1048576.0 => format!("{:.0} KiB", b / 1024.0),
+        b if b < 1073741824.0 => format!("{:.0} MiB", b / 1048576.0),
+        b if b < 1e13 => format!("{:.1} GiB", b / 1073741824.0),
+        b => format!("{:.0} TiB", b / 1099511627776.0),
     }
 }
 
@@ -54,17 +55,16 @@ pub fn needed(grid: &GridSpec, method: &dyn Method, batch: usize) -> u64 {
 
 /// Fails where a run needs more than the cap, or than the machine has.
 pub fn check(needed: u64, cap: Option<u64>, grid: &GridSpec) -> Result<()> {
-    let (limit, whose) = match (cap, available()) {
-        (Some(cap), _) if needed > cap => (cap, "--memory allows"),
-        (_, Some(free)) if needed > free => (free, "this machine has free"),
+    let limit = match (cap, available()) {
+        (Some(cap), _) if needed > cap => format!("--memory allows {}", show(cap)),
+        (_, Some(free)) if needed > free => format!("this machine has {} free", show(free)),
         _ => return Ok(()),
     };
     let (width, height, resolution) = (grid.width, grid.height, grid.resolution);
     Err(Error::Resources(format!(
-        "a map of {width} × {height} cells of {resolution} m needs {} and {whose} {}: give smaller --bounds or a coarser \
+        "a map of {width} × {height} cells of {resolution} m needs {}, but {limit}: give smaller --bounds or a coarser \
          --resolution",
-        show(needed),
-        show(limit)
+        show(needed)
     )))
 }
 

@@ -5,9 +5,11 @@ use crate::kernels::Backend;
 use crate::layers;
 use crate::log::{self, Log, Problem};
 use crate::mapper::{Finished, Item, Mapper, Work};
+use crate::memory;
 use crate::method::settings::Settings;
 use crate::method::{self, Method};
 use crate::oracle::{self, OracleMap};
+use crate::output::BadLines;
 use crate::reading::{Counts, Reading, Record, judge};
 use crate::sensor::{Kind, Sensor};
 use crate::snap::Edges;
@@ -44,6 +46,7 @@ pub struct Session {
     /// What a first pass over the log found.
     pub survey: Survey,
     until: u64,
+    bounded: bool,
 }
 
 /// A map and what came with it.
@@ -66,43 +69,55 @@ impl Session {
     pub fn open(path: &std::path::Path, request: &Request) -> Result<Session> {
         let mut options = request.log.clone();
         if request.settings == Settings::Truth {
-            options.kind = options.kind.or(Some(Kind::Laser));
+            if options.kind == Some(Kind::Sonar) {
+                return Err(Error::Usage(
+                    "method truth takes the nearest beam of each laser scan: leave out --sensor sonar".into(),
+                ));
+            }
+            options.kind = Some(Kind::Laser);
             let limits = &mut options.overrides;
             limits.r_min = limits.r_min.or(Some(0.05));
             limits.r_max = limits.r_max.or(Some(20.0));
             limits.hit_range = limits.hit_range.or(limits.r_max);
         }
         let log = Log::open(path, &options)?;
-        let sensors = &log.header().sensors;
-        if request.settings == Settings::Truth && sensors.iter().any(|s| s.kind != Kind::Laser) {
-            return Err(Error::Usage(format!(
-                "method truth takes the nearest beam of laser scans, and {} has sonars: give a laser log, or --sensor laser",
-                path.display()
-            )));
-        }
         // Given bounds are checked before the log is read through.
         let given = request.bounds.map(|b| GridSpec::from_bounds(b, request.resolution)).transpose()?;
         let until = request.until.unwrap_or(u64::MAX);
         let survey = survey(&log, request.resolution, until)?;
         if let (true, Some(first)) = (request.strict, survey.bad_lines.first.first()) {
-            return Err(Error::input(
-                path,
-                format!("{first} ({} bad lines; --strict takes none)", survey.bad_lines.count),
-            ));
+            let more = match survey.bad_lines.count - 1 {
+                0 => String::new(),
+                more => format!(", the first of {} bad lines", more + 1),
+            };
+            return Err(Error::input(path, format!("{first}{more}; mend it, or leave out --strict")));
         }
         if survey.counts.used == 0 {
-            return Err(Error::input(path, nothing_to_map(&survey.counts, survey.bad_lines.count)));
+            return Err(Error::input(path, nothing_to_map(&survey.counts, &survey.bad_lines)));
         }
         let grid = match given {
             Some(grid) => grid,
             None => GridSpec::around(survey.covered, request.resolution).map_err(|e| survey.explain(e, path))?,
         };
-        Ok(Session { log, method: method::make(request.settings), grid, survey, until })
+        let method = method::make(request.settings);
+        Ok(Session { log, method, grid, survey, until, bounded: given.is_some() })
     }
 
     /// The log's sensors.
     pub fn sensors(&self) -> &[Sensor] {
         &self.log.header().sensors
+    }
+
+    /// What mapping takes at most, bytes, `batch` readings at a time.
+    pub fn memory(&self, batch: usize) -> u64 {
+        let batch = batch.min(usize::try_from(self.survey.counts.used).unwrap_or(usize::MAX));
+        memory::needed(&self.grid, self.method.as_ref(), batch)
+    }
+
+    /// Fails where a run needs more than the cap, or than the machine has; names the pose that made the grid so large.
+    pub fn check_memory(&self, needed: u64, cap: Option<u64>) -> Result<()> {
+        let checked = memory::check(needed, cap, &self.grid);
+        if self.bounded { checked } else { checked.map_err(|e| self.survey.explain(e, self.log.path())) }
     }
 
     /// The readings to map, in log order, bad lines and unused records left out.
@@ -161,13 +176,29 @@ impl Session {
     }
 }
 
-fn nothing_to_map(counts: &Counts, bad: u64) -> String {
+/// What to say of a log none of whose readings can be mapped.
+fn nothing_to_map(counts: &Counts, bad: &BadLines) -> String {
     let r = counts.rejected;
-    format!(
-        "has no reading to map: {} read, {} without echo, {} nearer than r_min, {} beyond hit_range, {} negative, {} not a \
-         number, {bad} bad lines; check --sensor and the sensor's ranges (--set r_min=…, hit_range=…)",
-        counts.read, counts.no_echo, r.below_r_min, r.beyond_hit_range, r.negative, r.not_a_number
-    )
+    let reasons = [
+        (counts.no_echo, "without echo (no_echo_range is 0)"),
+        (r.below_r_min, "nearer than r_min"),
+        (r.beyond_hit_range, "beyond hit_range"),
+        (r.negative, "negative"),
+        (r.not_a_number, "not a number"),
+    ];
+    let reasons: Vec<String> = reasons.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    let mut text = match counts.read {
+        0 => "holds no reading".into(),
+        read => format!(
+            "none of its {read} readings can be mapped: {}; check --sensor and the sensors' ranges (--set r_min=…, \
+             hit_range=…, no_echo_range=…)",
+            reasons.join(", ")
+        ),
+    };
+    if let Some(first) = bad.first.first() {
+        text += &format!("; {} bad lines, the first: {first}", bad.count);
+    }
+    text
 }
 
 /// Records judged, and where they are wanted given their wedges, a scan at a time.

@@ -1,7 +1,7 @@
 //! `echogrid bench`.
 
 use super::common::LogArguments;
-use super::say;
+use super::{note, say};
 use crate::kernels::{Choice, choose, gpu_required};
 use crate::method::{self, REGISTRY, settings::Settings};
 use crate::throughput::{Measured, measure};
@@ -67,7 +67,7 @@ impl Bench {
                 let mut chosen = match choose(choice, method.as_ref(), self.threads) {
                     Ok(chosen) => chosen,
                     Err(Error::NoAdapter(why)) if !gpu_required() => {
-                        eprintln!("echogrid: SKIPPED gpu: {why}");
+                        note!("SKIPPED gpu: {why}");
                         break;
                     }
                     Err(e) => return Err(e),
@@ -77,7 +77,7 @@ impl Bench {
                     if !self.json {
                         say!("{adapter}");
                         say!(
-                            "{:<17}{:<17}{:>12}{:>12}{:>10}{:>10}",
+                            "{:<17}{:<17}{:>12}{:>14}{:>10}{:>10}",
                             "method",
                             "workload",
                             "M updates/s",
@@ -92,7 +92,7 @@ impl Bench {
                     let m = measure(workload, method.as_ref(), chosen.backend.as_mut(), self.runs as usize)?;
                     if !self.json {
                         say!(
-                            "{:<17}{:<17}{:>12.1}{:>12.1}{:>10.1}{:>10.1}",
+                            "{:<17}{:<17}{:>12.1}{:>14.1}{:>10.1}{:>10.1}",
                             m.method,
                             m.workload,
                             m.updates_per_second / 1e6,

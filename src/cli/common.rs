@@ -1,11 +1,12 @@
 //! Arguments that several commands share, and what they come to.
 
+use super::note;
 use crate::grid::GridSpec;
 use crate::kernels::Choice;
 use crate::log;
 use crate::method::settings::Settings;
 use crate::method::{self, REGISTRY};
-use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, Sensor};
+use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, Sensor, length};
 use crate::session::{Mapped, Request, Session};
 use crate::{Error, Result};
 use clap::{Args, ValueEnum};
@@ -51,14 +52,14 @@ impl BackendArgument {
 pub struct LogArguments {
     /// The log: a file, a sonar_ring_8 folder, or - for standard input; its format is found by content
     pub log: PathBuf,
-    /// The method: certainty, dempster-shafer, bayes, himm or truth
-    #[arg(short, long, default_value = "bayes")]
+    /// The method
+    #[arg(short, long, default_value = "bayes", help = method_help())]
     pub method: String,
-    /// Edge of a cell, metres
-    #[arg(short, long, default_value_t = 0.05, allow_negative_numbers = true)]
+    /// Edge of a cell: metres, or with mm, cm, m
+    #[arg(short, long, value_name = "LENGTH", default_value = "0.05", value_parser = metres, allow_hyphen_values = true)]
     pub resolution: f64,
-    /// Bounds x0,y0,x1,y1 in metres [default: around all that the readings reach]
-    #[arg(short, long, value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
+    /// Bounds in metres [default: around all that the readings reach]
+    #[arg(short, long, value_name = "X0,Y0,X1,Y1", value_delimiter = ',', num_args = 1, value_parser = number, allow_hyphen_values = true)]
     pub bounds: Option<Vec<f64>>,
     /// Take this kind of sensor from a log that has both
     #[arg(long)]
@@ -70,9 +71,9 @@ pub struct LogArguments {
     #[arg(short, long = "set", value_name = "KEY=VALUE", long_help = set_help())]
     pub set: Vec<String>,
     /// Map only the first N used readings
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
     pub until: Option<u64>,
-    /// Let a bad line be an error (exit code 3)
+    /// Take no bad line: exit code 3, and nothing is written
     #[arg(long)]
     pub strict: bool,
     /// Readings at a time; the result does not depend on it
@@ -81,6 +82,28 @@ pub struct LogArguments {
     /// Threads of the CPU's kernels; 0: one a core; the result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true)]
     pub threads: usize,
+}
+
+/// A length on the command line, metres.
+fn metres(text: &str) -> std::result::Result<f64, String> {
+    // Not a number is refused with the other impossible cell sizes.
+    text.parse().or_else(|_| length(text).map_err(|what| format!("it {what}")))
+}
+
+/// A number on the command line.
+fn number(text: &str) -> std::result::Result<f64, String> {
+    text.parse().map_err(|_| "it is not a number".into())
+}
+
+/// A count on the command line that can't be 0.
+pub fn from_one(text: &str) -> std::result::Result<u64, String> {
+    text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "give a whole number from 1".into())
+}
+
+/// Every method.
+fn method_help() -> String {
+    let names: Vec<&str> = REGISTRY.iter().map(|e| e.name).collect();
+    format!("The method: {}", names.join(", "))
 }
 
 /// Every key of `--set`.
@@ -100,6 +123,18 @@ fn set_help() -> String {
     help
 }
 
+/// What to say of a key that the method doesn't have.
+fn unknown_key(method: &str, settings: &Settings, key: &str) -> String {
+    let has = |name: &&str| Settings::of(name).is_some_and(|s| s.keys().iter().any(|k| k.name == key));
+    let others: Vec<&str> = REGISTRY.iter().map(|e| e.name).filter(has).collect();
+    let known: Vec<&str> = settings.keys().iter().chain(OVERRIDE_KEYS).map(|k| k.name).collect();
+    let hint = match others.is_empty() {
+        true => method::nearest(key, &known),
+        false => format!(", {} has; there are {}", others.join(" and "), known.join(", ")),
+    };
+    format!("{method} has no parameter \"{key}\"{hint}")
+}
+
 impl LogArguments {
     /// What they ask for.
     pub fn request(&self) -> Result<Request> {
@@ -112,9 +147,7 @@ impl LogArguments {
                 .split_once('=')
                 .ok_or_else(|| Error::Usage(format!("--set {text} has no value: write --set key=value")))?;
             if !overrides.set(key, value)? && !settings.set(key, value)? {
-                let known: Vec<&str> = settings.keys().iter().chain(OVERRIDE_KEYS).map(|k| k.name).collect();
-                let hint = method::nearest(key, &known);
-                return Err(Error::Usage(format!("--set {text}: {} has no parameter \"{key}\"{hint}", self.method)));
+                return Err(Error::Usage(format!("--set {text}: {}", unknown_key(&self.method, &settings, key))));
             }
         }
         let bounds = match self.bounds.as_deref() {
@@ -214,12 +247,22 @@ pub fn readings(mapped: &Mapped, session: &Session) -> String {
 /// Warns of bad lines, once, with the first few.
 pub fn warn_of_bad_lines(session: &Session) {
     let bad = &session.survey.bad_lines;
-    if bad.count > 0 {
-        eprintln!("echogrid: {}: {} bad lines were left out; the first:", session.log.path().display(), bad.count);
-        for line in &bad.first {
-            eprintln!("  {line}");
-        }
-        eprintln!("  (mend them, or use --strict to stop at the first; the exit code is 6)");
+    let path = session.log.path().display();
+    let what = match bad.count {
+        0 => return,
+        1 => "1 bad line was left out".into(),
+        n if n > bad.first.len() as u64 => format!("{n} bad lines were left out; the first"),
+        n => format!("{n} bad lines were left out"),
+    };
+    let quoted: String = bad.first.iter().map(|line| format!("  {line}\n")).collect();
+    note!("{path}: {what}:\n{quoted}  (mend them, or give --strict to write nothing then; the exit code is 6)");
+}
+
+/// Warns where bounds were given that no reading reaches.
+pub fn warn_of_empty_map(mapped: &Mapped, session: &Session) {
+    if mapped.counts.outside == mapped.counts.used {
+        let [x0, y0, x1, y1] = session.survey.covered;
+        note!("no reading reaches these --bounds: the log covers {x0:.2},{y0:.2},{x1:.2},{y1:.2}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! `echogrid compare`.
 
-use super::say;
+use super::{note, say};
 use crate::compare::{Options, compare, write_pictures};
 use crate::output::read_map;
 use crate::{Error, Result};
@@ -42,7 +42,7 @@ impl Compare {
         }
         if let (false, Some(folder)) = (comparison.equal, &self.pictures) {
             for path in write_pictures(&a.map, &b.map, &comparison, folder)? {
-                eprintln!("echogrid: see {}", path.display());
+                note!("see {}", path.display());
             }
         }
         Ok(u8::from(!comparison.equal))

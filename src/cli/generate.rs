@@ -30,12 +30,14 @@ pub struct Man {
 }
 
 impl Man {
-    /// Writes echogrid.1 and a page a subcommand.
+    /// Writes echogrid.1 and a page a subcommand, and says where to start.
     pub fn run(self) -> Result<u8> {
-        let unwritable =
-            |e: std::io::Error| Error::Resources(format!("{} can't be written: {e}", self.folder.display()));
+        let unwritable = |e: std::io::Error| {
+            Error::Resources(format!("{} can't be written: {e}; give another folder", self.folder.display()))
+        };
         std::fs::create_dir_all(&self.folder).map_err(unwritable)?;
         clap_mangen::generate_to(Arguments::command(), &self.folder).map_err(unwritable)?;
+        say!("{}", self.folder.join("echogrid.1").display());
         Ok(0)
     }
 }

@@ -1,6 +1,8 @@
 //! `echogrid map`.
 
-use super::common::{BackendArgument, LogArguments, done, parameters, progress, readings, warn_of_bad_lines};
+use super::common::{
+    BackendArgument, LogArguments, done, from_one, parameters, progress, readings, warn_of_bad_lines, warn_of_empty_map,
+};
 use super::say;
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
@@ -22,10 +24,10 @@ pub struct Map {
     #[arg(long, default_value = "auto")]
     backend: BackendArgument,
     /// Memory that may be used, such as 4GiB [default: what the machine has free]
-    #[arg(long, value_parser = memory::parse)]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
     /// Also write a picture and JSON of used reading N alone
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
     working: Option<u64>,
     /// Also write every layer as .npy
     #[arg(long)]
@@ -47,9 +49,7 @@ impl Map {
         let session = Session::open(&self.log.log, &request)?;
         let surveyed = started.elapsed().as_secs_f64();
         warn_of_bad_lines(&session);
-        let need = memory::needed(&session.grid, session.method.as_ref(), self.log.batch);
-        memory::check(need, self.memory, &session.grid).map_err(|e| session.survey.explain(e, &self.log.log))?;
-
+        session.check_memory(session.memory(self.log.batch), self.memory)?;
         self.check_working(&session)?;
 
         let started = Instant::now();
@@ -69,6 +69,7 @@ impl Map {
             self.write_working(&folder, &session, n as usize)?;
         }
         let place = folder.finish()?;
+        warn_of_empty_map(&mapped, &session);
         if self.json {
             say!("{}", serde_json::to_string_pretty(&report).unwrap_or_default());
         } else if !self.quiet {

@@ -23,6 +23,15 @@ macro_rules! say {
 }
 use say;
 
+/// Prints a line for people on standard error, with the program's name.
+macro_rules! note {
+    ($($text:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), "echogrid: {}", format_args!($($text)*));
+    }};
+}
+use note;
+
 const AFTER: &str = "Exit codes: 0 done · 1 differs · 2 bad usage or parameter · 3 bad input · 4 no adapter · \
 5 out of memory or space, or output not writable · 6 done, but some lines of the log were bad (--strict: 3, nothing written)
 

@@ -28,7 +28,7 @@ impl Plan {
         mapper.sweep(0, session.items()?)?;
         let work = mapper.work;
         let (grid, counts) = (&session.grid, &session.survey.counts);
-        let need = memory::needed(grid, method, self.log.batch);
+        let need = session.memory(self.log.batch);
         let steps: Vec<Vec<String>> =
             method.sweeps().iter().map(|sweep| sweep.iter().map(|s| step_name(s).to_string()).collect()).collect();
         let busiest = dry.chunks.iter().max_by_key(|(_, load)| load.entries);

@@ -1,15 +1,15 @@
 //! `echogrid verify`.
 
 use super::common::{LogArguments, done, warn_of_bad_lines};
-use super::say;
+use super::{note, say};
 use crate::compare::{Options, compare, write_pictures};
-use crate::kernels::{Choice, choose, gpu_required};
+use crate::kernels::{Choice, Chosen, choose, gpu_required};
 use crate::layers;
 use crate::mapper::Finished;
 use crate::oracle::OracleMap;
 use crate::session::Session;
 use crate::verify::{Verification, check, same_bytes};
-use crate::{Error, Result, memory, method};
+use crate::{Error, Result, method};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -45,10 +45,11 @@ impl Verify {
     pub fn run(self) -> Result<u8> {
         let session = self.log.session()?;
         warn_of_bad_lines(&session);
-        let need = memory::needed(&session.grid, session.method.as_ref(), self.log.batch);
         // The oracle keeps values and bounds in f64, and two maps are held beside it.
         let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
-        memory::check(2 * need + oracle_cells + session.survey.counts.used * 200, None, &session.grid)?;
+        let readings = session.survey.counts.used * 200;
+        session.check_memory(2 * session.memory(self.log.batch) + oracle_cells + readings, None)?;
+        let (backends, skipped) = self.open(&session)?;
         let started = Instant::now();
         let oracle = session.oracle()?;
         let mut result = Verification {
@@ -59,23 +60,11 @@ impl Verify {
             oracle_seconds: started.elapsed().as_secs_f64(),
             backends: Vec::new(),
             same_bytes: None,
-            skipped: Vec::new(),
+            skipped,
             passed: true,
         };
         let mut maps: Vec<Finished> = Vec::new();
-        for (kind, choice) in [(Checked::Cpu, Choice::Cpu), (Checked::Gpu, Choice::Gpu)] {
-            if !self.backends.contains(&kind) {
-                continue;
-            }
-            let mut chosen = match choose(choice, session.method.as_ref(), self.log.threads) {
-                Ok(chosen) => chosen,
-                // What no adapter could do is no missing adapter.
-                Err(Error::NoAdapter(why)) if !gpu_required() || session.method.cpu_only().is_some() => {
-                    result.skipped.push(format!("gpu: {why}"));
-                    continue;
-                }
-                Err(e) => return Err(e),
-            };
+        for mut chosen in backends {
             let started = Instant::now();
             let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|_| {})?;
             let seconds = started.elapsed().as_secs_f64();
@@ -94,20 +83,42 @@ impl Verify {
         if let [a, b] = &maps[..] {
             result.same_bytes = Some(same_bytes(a, b));
         }
-        if result.backends.is_empty() {
-            let why = if result.skipped.is_empty() {
-                "only the oracle was asked for".into()
-            } else {
-                result.skipped.join("; ")
-            };
-            return Err(Error::NoAdapter(format!("there is nothing to verify: {why}; give --backends oracle,cpu")));
-        }
         if self.json {
             say!("{}", serde_json::to_string_pretty(&result).unwrap_or_default());
+            for why in &result.skipped {
+                note!("SKIPPED {why}");
+            }
         } else {
             say!("{result}");
         }
         Ok(if result.passed { done(&session) } else { 1 })
+    }
+
+    /// The backends to compare, and why others are skipped: an adapter that is missing is told before the long run.
+    fn open(&self, session: &Session) -> Result<(Vec<Chosen>, Vec<String>)> {
+        let (mut backends, mut skipped) = (Vec::new(), Vec::new());
+        for (kind, choice) in [(Checked::Cpu, Choice::Cpu), (Checked::Gpu, Choice::Gpu)] {
+            if !self.backends.contains(&kind) {
+                continue;
+            }
+            match choose(choice, session.method.as_ref(), self.log.threads) {
+                Ok(chosen) => backends.push(chosen),
+                // What no adapter could do is no missing adapter.
+                Err(Error::NoAdapter(why)) if !gpu_required() || session.method.cpu_only().is_some() => {
+                    skipped.push(format!("gpu: {why}"));
+                }
+                Err(e) => return Err(e),
+            }
+        }
+        if !backends.is_empty() {
+            return Ok((backends, skipped));
+        }
+        Err(match skipped.join("; ") {
+            why if why.is_empty() => {
+                Error::Usage("the oracle alone proves nothing: give --backends cpu, gpu or both".into())
+            }
+            why => Error::NoAdapter(format!("there is nothing to verify: {why}; or give --backends cpu")),
+        })
     }
 
     /// Pictures of the last backend, if it failed and they are wanted.
@@ -118,7 +129,7 @@ impl Verify {
         let reference = layers::from_oracle(oracle, session.method.as_ref());
         let differences = compare(&reference.map, &map.map, &Options::default())?;
         for path in write_pictures(&reference.map, &map.map, &differences, &folder.join(&last.backend))? {
-            eprintln!("echogrid: see {}", path.display());
+            note!("see {}", path.display());
         }
         Ok(())
     }

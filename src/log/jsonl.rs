@@ -101,9 +101,13 @@ impl Preamble {
     /// Whether there is a sensor of the wanted kind.
     pub fn offers(&self, kind: Option<Kind>) -> std::result::Result<(), String> {
         match kind {
-            Some(kind) if self.sensors.iter().all(|s| s.kind.unwrap_or(Kind::Sonar) != kind) => {
-                Err(format!("the log has no {} sensor", if kind == Kind::Sonar { "sonar" } else { "laser" }))
+            Some(kind) if self.sensors.iter().all(|s| s.kind.unwrap_or(Kind::Sonar) != kind) => Err(match kind {
+                Kind::Sonar => "the log has no sonar sensor, only lasers: leave out --sensor sonar",
+                Kind::Laser => {
+                    "the log has no laser sensor, only sonars: leave out --sensor laser (method truth needs a laser log)"
+                }
             }
+            .into()),
             _ => Ok(()),
         }
     }

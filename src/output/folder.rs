@@ -12,13 +12,15 @@ use std::path::{Path, PathBuf};
 /// beside DIR is taken for ours: `map.old-2024` may well be the user's.
 const MARKER: &str = ".echogrid-partial";
 
-/// An output folder being written. Dropped without [`Folder::finish`], it removes its partial folder.
+/// An output folder being written. Dropped without [`Folder::finish`], it removes its partial folder and those it made above.
 #[derive(Debug)]
 pub struct Folder {
     target: PathBuf,
     partial: PathBuf,
     /// Held open for its lock: a second run on the same folder sees it.
     marker: Option<File>,
+    /// Folders above it that were made for it, the innermost first.
+    made: Vec<PathBuf>,
 }
 
 impl Folder {
@@ -26,12 +28,16 @@ impl Folder {
     pub fn prepare(path: &Path) -> Result<Folder> {
         let target = resolve(path)?;
         let parent = parent_of(&target);
+        if let Some(file) = parent.ancestors().find(|a| a.is_file()) {
+            return Err(unusable(path, &format!("{} is a file", file.display())));
+        }
+        let made: Vec<PathBuf> = parent.ancestors().take_while(|a| !a.exists()).map(PathBuf::from).collect();
+        let mut folder = Folder { partial: beside(&target, ".partial"), target, marker: None, made };
         fs::create_dir_all(&parent).map_err(|e| unusable(path, &format!("its parent can't be made: {e}")))?;
-        recover(&target)?;
-        check_target(&target)?;
-        let partial = beside(&target, ".partial");
-        let marker = open_partial(&partial)?;
-        Ok(Folder { target, partial, marker: Some(marker) })
+        recover(&folder.target)?;
+        check_target(&folder.target)?;
+        folder.marker = Some(open_partial(&folder.partial)?);
+        Ok(folder)
     }
 
     /// Where the files are to be written.
@@ -79,6 +85,12 @@ impl Drop for Folder {
         if self.marker.take().is_some() {
             let _ = remove(&self.partial);
         }
+        // What holds a map or anything else stays: only empty folders can be removed so.
+        for folder in &self.made {
+            if fs::remove_dir(folder).is_err() {
+                break;
+            }
+        }
     }
 }
 
@@ -123,7 +135,7 @@ fn check_target(target: &Path) -> Result<()> {
         return Err(unusable(target, "it is a file"));
     }
     if is_mount(target, &meta) {
-        return Err(unusable(target, "it is a mount point, which no rename can replace: give a folder inside it"));
+        return Err(blocked(target, "it is a mount point, which no rename can replace", "give a folder inside it"));
     }
     let mut entries = fs::read_dir(target).map_err(|e| unusable(target, &e.to_string()))?;
     if entries.next().is_some() && !is_map(target) {
@@ -137,12 +149,12 @@ fn open_partial(partial: &Path) -> Result<File> {
     let marker = partial.join(MARKER);
     if partial.exists() {
         if !partial.is_dir() || !is_ours(partial) {
-            return Err(unusable(partial, "it is in the way and echogrid didn't write it: move it"));
+            return Err(blocked(partial, "it is in the way and echogrid didn't write it", "move it"));
         }
         if let Ok(file) = File::open(&marker)
             && let Err(TryLockError::WouldBlock) = file.try_lock()
         {
-            return Err(unusable(partial, "another run is writing it: wait for that run"));
+            return Err(blocked(partial, "another run is writing it", "wait for that run"));
         }
         remove(partial)
             .map_err(|e| unusable(partial, &format!("a killed run left it and it can't be removed: {e}")))?;
@@ -150,7 +162,7 @@ fn open_partial(partial: &Path) -> Result<File> {
     fs::create_dir(partial).map_err(|e| unusable(partial, &e.to_string()))?;
     let file = File::create(&marker).map_err(|e| unusable(partial, &e.to_string()))?;
     match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(unusable(partial, "another run is writing it: wait for that run")),
+        Err(TryLockError::WouldBlock) => Err(blocked(partial, "another run is writing it", "wait for that run")),
         // A file system without locks only loses the warning about two runs at once.
         _ => Ok(file),
     }
@@ -188,11 +200,11 @@ fn resolve(path: &Path) -> Result<PathBuf> {
     let resolved = if path.exists() { fs::canonicalize(path) } else { std::path::absolute(path) };
     let target = resolved.map_err(|e| unusable(path, &e.to_string()))?;
     if target.is_symlink() {
-        return Err(unusable(path, "it is a link to nothing: remove it"));
+        return Err(blocked(path, "it is a link to nothing", "remove it"));
     }
     match target.file_name() {
         Some(_) => Ok(target),
-        None => Err(unusable(path, "it has no name: give a folder such as out/map")),
+        None => Err(unusable(path, "it has no name, as out/map has")),
     }
 }
 
@@ -218,5 +230,15 @@ fn is_mount(_: &Path, _: &fs::Metadata) -> bool {
 }
 
 fn unusable(path: &Path, why: &str) -> Error {
-    Error::Resources(format!("{} can't be the output: {why}; or give another folder with -o", path.display()))
+    refuse(path, why, "")
+}
+
+/// `remedy`: what else would help.
+fn blocked(path: &Path, why: &str, remedy: &str) -> Error {
+    refuse(path, why, &format!("{remedy}, or "))
+}
+
+fn refuse(path: &Path, why: &str, remedy: &str) -> Error {
+    let path = path.display();
+    Error::Resources(format!("{path} can't be the output: {why}; {remedy}give another folder with -o"))
 }

@@ -33,7 +33,7 @@ pub struct RunInfo {
 /// Which log a map was made of.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct LogInfo {
-    /// Its path as given; `-` is standard input.
+    /// Its path as given; `<stdin>` is standard input.
     pub path: String,
     /// The SHA-256 of its bytes, in hexadecimal.
     pub sha256: String,

@@ -1,0 +1,96 @@
+//! A machine without a GPU adapter: the loader is shown no driver.
+
+#![cfg(target_os = "linux")]
+
+use crate::common::{Place, Ran};
+use echogrid::method::REGISTRY;
+
+const NONE: &str = "there is no GPU adapter: install a GPU driver with Vulkan, or the software adapter (Debian and Ubuntu: \
+                    apt-get install mesa-vulkan-drivers libvulkan1), or use --backend cpu";
+
+#[track_caller]
+fn refused(place: &Place, ran: &Ran) {
+    assert_eq!((ran.code, ran.err.as_str(), ran.out.as_str()), (4, format!("echogrid: {NONE}\n").as_str(), ""));
+    assert_eq!(place.names(""), ["log.jsonl", "run"]);
+}
+
+#[test]
+fn the_gpu_is_demanded() {
+    let place = Place::new();
+    refused(&place, &place.run_without_adapter(&["map", "log.jsonl", "-o", "out", "--backend", "gpu"], false));
+}
+
+#[test]
+fn auto_takes_the_cpu_and_says_why() {
+    let place = Place::new();
+    let ran = place.run_without_adapter(&["map", "log.jsonl", "-o", "out"], false);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    let line = ran.out.lines().nth(2).unwrap();
+    assert!(line.starts_with("cpu (") && line.contains("), because there is no hardware GPU adapter; "), "{line}");
+    assert_eq!(place.report("out")["backend"], "cpu");
+    // Auto asks for no gpu, so it may still take the CPU.
+    assert_eq!(place.run_without_adapter(&["map", "log.jsonl", "-o", "out"], true).code, 0);
+}
+
+#[test]
+fn verify_skips_loudly_or_fails() {
+    let place = Place::new();
+    let ran = place.run_without_adapter(&["verify", "log.jsonl"], false);
+    assert_eq!(ran.code, 0);
+    assert!(ran.out.contains("\ncpu "), "{}", ran.out);
+    assert!(ran.out.ends_with(&format!("\nSKIPPED gpu: {NONE}\nequal\n")), "{}", ran.out);
+    let ran = place.run_without_adapter(&["verify", "log.jsonl", "--json"], false);
+    assert_eq!((ran.code, ran.err.as_str()), (0, format!("echogrid: SKIPPED gpu: {NONE}\n").as_str()));
+    assert_eq!(ran.json()["skipped"][0], format!("gpu: {NONE}"));
+    assert_eq!(ran.json()["backends"].as_array().unwrap().len(), 1);
+    let ran = place.run_without_adapter(&["verify", "log.jsonl", "--backends", "gpu"], false);
+    assert_eq!(
+        (ran.code, ran.err.as_str()),
+        (4, format!("echogrid: there is nothing to verify: gpu: {NONE}; or give --backends cpu\n").as_str())
+    );
+    refused(&place, &place.run_without_adapter(&["verify", "log.jsonl"], true));
+    assert_eq!(place.run_without_adapter(&["verify", "log.jsonl", "--backends", "cpu"], true).code, 0);
+}
+
+#[test]
+fn bench_skips_loudly_or_fails() {
+    let place = Place::new();
+    let bench = ["bench", "--readings", "20", "--runs", "1", "--methods", "himm", "--json"];
+    let ran = place.run_without_adapter(&bench, false);
+    assert_eq!((ran.code, ran.err.as_str()), (0, format!("echogrid: SKIPPED gpu: {NONE}\n").as_str()));
+    assert!(ran.json()["measured"].as_array().unwrap().iter().all(|m| m["backend"] == "cpu"));
+    refused(&place, &place.run_without_adapter(&bench, true));
+}
+
+#[test]
+fn doctor_says_how_to_get_one() {
+    let ran = Place::new().run_without_adapter(&["doctor"], false);
+    assert_eq!(ran.code, 0);
+    assert!(
+        ran.out.contains("\nadapter   none: install a GPU driver with Vulkan, or the software adapter"),
+        "{}",
+        ran.out
+    );
+    for entry in REGISTRY {
+        let line = ran.out.lines().find(|l| l.starts_with(entry.name)).unwrap();
+        assert!(line.ends_with(" cpu"), "{line}");
+    }
+}
+
+#[test]
+fn what_no_adapter_could_do_is_no_missing_adapter() {
+    let place = Place::new();
+    let gro = ["--method", "himm", "--set", "gro=true"];
+    let why =
+        "himm's growth-rate operator reads neighbouring cells in log order, which no gather can: use --backend cpu";
+    let ran = place.run_without_adapter(&[&["verify", "log.jsonl"], &gro[..]].concat(), true);
+    assert_eq!(ran.code, 0);
+    assert!(ran.out.ends_with(&format!("\nSKIPPED gpu: {why}\nequal\n")), "{}", ran.out);
+    place.refuses(
+        &[&["map", "log.jsonl", "-o", "out", "--backend", "gpu"], &gro[..]].concat(),
+        4,
+        &format!("echogrid: {why}"),
+    );
+    let ran = place.does(&[&["map", "log.jsonl", "-o", "out"], &gro[..]].concat());
+    assert!(ran.out.contains("), because himm's growth-rate operator reads neighbouring cells"), "{}", ran.out);
+}

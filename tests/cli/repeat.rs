@@ -1,0 +1,75 @@
+//! The same log gives the same bytes: run after run, for any batch and any number of threads.
+
+use crate::common::Place;
+use echogrid::log::Writer;
+use echogrid::method::REGISTRY;
+use echogrid::world::room;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Every file of a map by its path; the report without what may differ.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+                continue;
+            }
+            let name = path.strip_prefix(folder).unwrap().display().to_string();
+            let mut bytes = std::fs::read(&path).unwrap();
+            if name == "report.json" {
+                let mut report: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+                for key in ["seconds", "peak_memory", "adapter"] {
+                    report.as_object_mut().unwrap().remove(key).unwrap();
+                }
+                report["log"].as_object_mut().unwrap().remove("path").unwrap();
+                bytes = serde_json::to_vec(&report).unwrap();
+            }
+            all.insert(name, bytes);
+        }
+    }
+    all
+}
+
+#[track_caller]
+fn same(place: &Place, a: &str, b: &str) {
+    let (a, b) = (files(&place.path(a)), files(&place.path(b)));
+    assert!(a.len() > 10 && a.keys().eq(b.keys()), "{:?} and {:?}", a.keys(), b.keys());
+    for (name, bytes) in &a {
+        assert!(b[name] == *bytes, "{name} differs");
+    }
+}
+
+#[test]
+fn runs_batches_and_threads() {
+    let place = Place::new();
+    let (sensors, records) = room::records(3).unwrap();
+    let mut log = Vec::new();
+    let mut writer = Writer::new(&mut log, &sensors, &[]).unwrap();
+    for record in records.iter().take(900) {
+        writer.write(record).unwrap();
+    }
+    writer.finish().unwrap();
+    place.write("room.jsonl", &log);
+    place.write("same.jsonl", &log);
+    for entry in REGISTRY.iter().filter(|e| e.name != "truth") {
+        let map = |log: &str, folder: &str, more: &[&str]| {
+            let fixed = ["map", log, "-o", folder, "-m", entry.name, "--backend", "cpu", "--npy", "--quiet"];
+            place.does(&[&fixed, more].concat());
+        };
+        map("room.jsonl", "once", &[]);
+        map("same.jsonl", "twice", &[]);
+        same(&place, "once", "twice");
+        map("room.jsonl", "twice", &["--batch", "7"]);
+        same(&place, "once", "twice");
+        map("room.jsonl", "twice", &["--threads", "1"]);
+        same(&place, "once", "twice");
+    }
+    // And what differs is found to differ.
+    place.does(&["map", "room.jsonl", "-o", "twice", "-m", "himm", "--until", "99", "--backend", "cpu", "--npy"]);
+    let (a, b) = (files(&place.path("once")), files(&place.path("twice")));
+    assert_ne!(a["report.json"], b["report.json"]);
+}

@@ -1,0 +1,183 @@
+//! verify, plan, doctor, bench, demo.
+
+use crate::common::{Place, keys};
+use echogrid::method::REGISTRY;
+use serde_json::json;
+
+/// Two scans of a laser and one of a sonar, so that every method has a log.
+const BOTH: &str = r#"{"echogrid_log":1,"sensors":[{"id":"ring"},{"id":"top","kind":"laser","half_width":"1deg"}]}
+{"scan":0,"sensor":"ring","px":0,"py":0,"ph":0,"z":1.5}
+{"scan":0,"sensor":"top","px":0,"py":0,"ph":0,"z":2}
+{"scan":1,"sensor":"ring","px":0.1,"py":0.05,"ph":0.7,"z":1.2}
+{"scan":1,"sensor":"top","px":0.1,"py":0.05,"ph":0.7,"z":1.1}
+"#;
+
+#[test]
+fn verify_passes_for_every_method() {
+    let place = Place::new();
+    place.write("both.jsonl", BOTH);
+    for entry in REGISTRY {
+        let kind = if entry.name == "truth" { "laser" } else { "sonar" };
+        let ran = place.does(&["verify", "both.jsonl", "--method", entry.name, "--sensor", kind, "--json"]);
+        let found = ran.json();
+        assert_eq!(
+            keys(&found),
+            ["backends", "method", "oracle_seconds", "passed", "readings", "same_bytes", "size", "skipped", "updates"]
+        );
+        assert_eq!(
+            (&found["method"], &found["passed"], &found["readings"]),
+            (&json!(entry.name), &json!(true), &json!(2))
+        );
+        assert!(found["updates"].as_u64().unwrap() > 10, "{found}");
+        let backends = found["backends"].as_array().unwrap();
+        let skipped = found["skipped"].as_array().unwrap();
+        assert_eq!(backends.len() + skipped.len(), 2, "{found}");
+        assert_eq!(backends[0]["backend"], "cpu");
+        for b in backends {
+            assert_eq!(
+                keys(b),
+                [
+                    "adapter",
+                    "backend",
+                    "class",
+                    "class_wrong",
+                    "counts",
+                    "layers",
+                    "membership",
+                    "membership_cell",
+                    "passed",
+                    "seconds",
+                    "updates"
+                ]
+            );
+            assert_eq!((&b["membership"], &b["class_wrong"], &b["counts"]), (&json!(0), &json!(0), &json!(0)));
+            assert_eq!(b["updates"], found["updates"]);
+        }
+    }
+}
+
+#[test]
+fn verify_as_a_table() {
+    let place = Place::new();
+    let ran = place.does(&["verify", "log.jsonl", "--backends", "cpu"]);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    assert!(
+        lines[0].starts_with("bayes: 4 readings, 82 × 82 cells, ") && lines[0].ends_with(" cell updates"),
+        "{}",
+        lines[0]
+    );
+    assert!(lines[1].starts_with("oracle  f64, one reading at a time ("), "{}", lines[1]);
+    assert!(lines[2].starts_with("cpu     "), "{}", lines[2]);
+    assert_eq!(lines[3], "  membership differences  0");
+    assert_eq!(lines.last(), Some(&"equal"));
+    for layer in ["log_odds", "p_occ", "p_emp"] {
+        assert!(lines.iter().any(|l| l.trim_start().starts_with(layer) && l.contains(", bound there ")), "{layer}");
+    }
+}
+
+#[test]
+fn plan_says_what_it_would_take_and_does_nothing() {
+    let place = Place::new();
+    let before = place.names("");
+    let ran = place.does(&["plan", "log.jsonl"]);
+    let heads: Vec<&str> = ran.out.lines().map(|l| l.split("  ").next().unwrap()).take(7).collect();
+    assert_eq!(heads, ["log", "readings", "grid", "chunks", "", "sweep 1", "memory"]);
+    for line in [
+        "log       echogrid-jsonl, 1 sensors",
+        "readings  4 used of 8 in 4 scans, 0 bad lines, 0 other lines",
+        "grid      82 × 82 cells of 0.05 m from (-1.55, -2.05) to (2.55, 2.05) m",
+        "  r_max = 4",
+        "  max_occ = 0.98",
+    ] {
+        assert!(ran.out.lines().any(|l| l == line), "{line}: {}", ran.out);
+    }
+    let plan = place.does(&["plan", "log.jsonl", "--json"]).json();
+    assert_eq!(
+        (&plan["method"], &plan["format"], &plan["scans"]),
+        (&json!("bayes"), &json!("echogrid-jsonl"), &json!(4))
+    );
+    assert_eq!((&plan["cells"]["width"], &plan["readings"]["used"]), (&json!(82), &json!(4)));
+    assert_eq!((&plan["parameters"]["r_max"], &plan["parameters"]["max_occ"]), (&json!("4"), &json!("0.98")));
+    assert_eq!((&plan["chunks"][0]["row"], &plan["chunks"][0]["column"]), (&json!(0), &json!(0)));
+    assert_eq!(plan["chunks"][0]["entries"], plan["entries"]);
+    // The plan's figure is the one that --memory is held against.
+    let need = plan["memory"].as_u64().unwrap();
+    let map = |memory: u64| place.run(&["map", "log.jsonl", "-o", "out", "--memory", &memory.to_string()]).code;
+    assert_eq!((map(need - 1), place.names("") == before, map(need)), (5, true, 0));
+}
+
+#[test]
+fn doctor() {
+    let place = Place::new();
+    let ran = place.does(&["doctor"]);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    assert_eq!(lines[0], format!("echogrid {}", env!("CARGO_PKG_VERSION")));
+    assert!(lines[1].starts_with("cpu       ") && lines[1].contains("thread"), "{}", lines[1]);
+    assert!(lines.iter().any(|l| l.starts_with("adapter   ")), "{}", ran.out);
+    for entry in REGISTRY {
+        assert!(lines.iter().any(|l| l.starts_with(&format!("{} ", entry.name))), "{}: {}", entry.name, ran.out);
+    }
+    let found = place.does(&["doctor", "--json"]).json();
+    assert_eq!(keys(&found), ["adapters", "cpu", "memory_available", "version"]);
+    for adapter in found["adapters"].as_array().unwrap() {
+        assert!(!adapter["name"].as_str().unwrap().is_empty() && adapter["binding"].as_u64().unwrap() >= 1 << 27);
+    }
+}
+
+#[test]
+fn bench_gives_figures_for_every_method() {
+    let place = Place::new();
+    let found = place.does(&["bench", "--readings", "200", "--runs", "1", "--json"]).json();
+    assert_eq!(keys(&found), ["adapters", "measured", "version"]);
+    for entry in REGISTRY.iter().filter(|e| e.name != "truth") {
+        let of_cpu = |m: &&serde_json::Value| m["method"] == entry.name && m["backend"] == "cpu";
+        let measured: Vec<_> = found["measured"].as_array().unwrap().iter().filter(of_cpu).collect();
+        assert_eq!(measured.len(), 4, "{}", entry.name);
+        for m in measured {
+            assert_eq!((&m["readings"], m["seconds"].as_array().unwrap().len()), (&json!(200), 1));
+            for figure in ["updates_per_second", "readings_per_second", "updates", "median"] {
+                assert!(m[figure].as_f64().unwrap() > 0.0, "{figure}: {m}");
+            }
+            let rate = m["updates"].as_f64().unwrap() / m["median"].as_f64().unwrap();
+            assert!((rate / m["updates_per_second"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{m}");
+        }
+    }
+    let ran =
+        place.does(&["bench", "log.jsonl", "-m", "himm,bayes", "--backends", "cpu", "--readings", "20", "--runs", "2"]);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    assert!(lines[0].starts_with("cpu: "), "{}", lines[0]);
+    assert_eq!(
+        lines[1].split("  ").filter(|s| !s.is_empty()).map(str::trim).collect::<Vec<_>>(),
+        ["method", "workload", "M updates/s", "k readings/s", "ms", "binning"]
+    );
+    // Four workloads and the log, twice.
+    assert_eq!(lines.len(), 2 + 2 * 5, "{}", ran.out);
+    assert!(lines[6].starts_with("himm             log.jsonl, 5 cm"), "{}", lines[6]);
+}
+
+#[test]
+fn demo_maps_a_room_by_every_method() {
+    let place = Place::new();
+    let ran = place.does(&["demo", "-o", "deep/demo", "--backend", "cpu"]);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    assert_eq!(lines[0], "A ring of eight sonars, driven round a room of 5 × 4 m: 4480 readings in 560 scans.");
+    assert_eq!(lines[2], "method            backend      ms  M updates  occupied  empty  walls found  walls freed");
+    let methods: Vec<&str> = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth").collect();
+    for (line, method) in lines[3..].iter().zip(&methods) {
+        let row: Vec<&str> = line.split_whitespace().collect();
+        assert_eq!((row[0], row[1]), (*method, "cpu"), "{line}");
+        let number = |k: usize| row[k].parse::<f64>().unwrap();
+        assert!(number(3) > 0.0 && number(4) > 0.0 && number(5) > 0.0, "{line}");
+        assert!(number(6) > number(8), "{line}: more walls are found than freed");
+        assert!(place.path(&format!("deep/demo/{method}/map.png")).exists());
+    }
+    let seconds = ran.out.split(" In ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
+    assert!(seconds < 10.0, "{seconds} s");
+    let mut names: Vec<&str> = methods;
+    names.push("room.jsonl");
+    names.sort_unstable();
+    assert_eq!(place.names("deep/demo"), names);
+    // Its log is one to try things on, and a second demo replaces the first.
+    place.does(&["plan", "deep/demo/room.jsonl"]);
+    place.does(&["demo", "-o", "deep/demo", "--backend", "cpu"]);
+}
