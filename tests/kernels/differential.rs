@@ -80,6 +80,11 @@ fn ragged_grids_and_sensors_outside() {
 }
 
 #[test]
+fn a_parked_robot() {
+    all_agree(&scenes::parked(), cone_settings());
+}
+
+#[test]
 fn several_chunks() {
     let scene = scenes::chunks();
     assert!(scene.grid.width > 1024 && scene.grid.height > 1024);

@@ -96,17 +96,31 @@ const FAULTS: &[Fault] = &[
         scene: few,
     },
     Fault {
+        what: "near certainty the product goes on",
+        from: "min(rest, product) < vec4<f32>(NEARLY)",
+        to: "rest < vec4<f32>(0.0)",
+        methods: &["certainty", "certainty-batch"],
+        scene: scenes::parked,
+    },
+    Fault {
+        what: "near certainty the bracket is not rounded",
+        from: "round(e * units * per_place) * place",
+        to: "e * units",
+        methods: &["certainty", "certainty-batch"],
+        scene: scenes::parked,
+    },
+    Fault {
         what: "the sums are of evidence that was not cancelled",
-        from: "sum = weigh_cells(cone, row, &cells);",
-        to: "var fresh = cells; fresh.open = vec4<f32>(1.0); sum = weigh_cells(cone, row, &fresh); \
+        from: "part = weigh_cells(cone, row, &cells);",
+        to: "var fresh = cells; fresh.open = vec4<f32>(1.0); part = weigh_cells(cone, row, &fresh); \
              let kept = weigh_cells(cone, row, &cells);",
         methods: &["certainty", "certainty-batch"],
         scene: few,
     },
     Fault {
         what: "the sums are cancelled by the emptiness before the batch",
-        from: "sum = weigh_cells(cone, row, &cells);",
-        to: "var old = cells; sum = weigh_cells(cone, row, &old);",
+        from: "part = weigh_cells(cone, row, &cells);",
+        to: "var old = cells; part = weigh_cells(cone, row, &old);",
         methods: &["certainty"],
         scene: few,
     },
@@ -119,8 +133,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "a row of the evidence is left out",
-        from: "for (var row = 0u; row < TILE; row++)",
-        to: "for (var row = 1u; row < TILE; row++)",
+        from: "for (var at = k * 64u; at",
+        to: "for (var at = k * 64u + 4u; at",
         methods: &["certainty", "certainty-batch"],
         scene: few,
     },

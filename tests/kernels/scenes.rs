@@ -111,6 +111,15 @@ pub fn ragged() -> Scene {
     ragged
 }
 
+/// A parked robot: the same cells freed until nothing is left of their doubt, now and then an echo from among them.
+pub fn parked() -> Scene {
+    let sensors = vec![sonar(12.5, 0.17, 5.0)];
+    let at = |k: usize| (1.013, 1.021, 0.3 + 0.02 * (k % 7) as f64);
+    let range = |k: usize| if k % 10 == 9 { 1.0 + 0.15 * ((k / 10) % 9) as f64 } else { 3.0 + 0.01 * (k % 3) as f64 };
+    let readings = (0..600).map(|k| reading(0, at(k), range(k), Outcome::Hit)).collect();
+    scene("parked", bounds([0.0, 0.0, 5.0, 5.0], 0.05), sensors, readings)
+}
+
 /// Four chunks, the readings about the corner where they meet.
 pub fn chunks() -> Scene {
     let sensors = mixed();
