@@ -1,20 +1,21 @@
 //! The GPU's kernels through wgpu: a method's passes over each chunk that a batch reaches, the chunks resident.
 
 pub mod adapter;
+mod device;
+mod pass;
 pub mod shader;
 
 use super::{Backend, Chunks, Limits, Outcomes, fresh_chunk, shares};
 use crate::batch::{Batch, ChunkList};
-use crate::layout::{Cone, Entry, Frame, Tile, WIDE};
+use crate::layout::{CHUNK, Cone, Entry, Frame, WIDE};
 use crate::method::{self, Method, Step};
 use crate::{Error, Result};
 use adapter::Found;
-use bytemuck::Pod;
+use device::Device;
+use pass::{Passes, key};
 use shader::Kernel;
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::BufferUsages as Usage;
-use wgpu::util::DeviceExt;
 
 /// A change to a kernel's source: every `from` becomes `to`. For tests that seed faults.
 pub type Patch = (String, String);
@@ -30,28 +31,11 @@ pub struct Options {
 
 /// The GPU backend.
 pub struct Gpu {
-    found: Found,
-    device: wgpu::Device,
-    queue: wgpu::Queue,
-    layout: wgpu::BindGroupLayout,
-    kernels: BTreeMap<Key, wgpu::ComputePipeline>,
-    patches: Vec<Patch>,
+    device: Device,
+    passes: Passes,
     chunks: BTreeMap<[u32; 2], wgpu::Buffer>,
     /// The batch before, still under way: the host bins the next one meanwhile, and only two are held.
     pending: Option<wgpu::SubmissionIndex>,
-    /// The first error that the device reported by itself: out of memory, lost.
-    failure: Arc<Mutex<Option<String>>>,
-}
-
-/// Bindings, in the order of `shaders/layout.wgsl`: uniform, then storage, read-only or not.
-const BINDINGS: [Option<bool>; 8] =
-    [None, Some(true), Some(true), Some(true), Some(false), Some(false), Some(false), Some(true)];
-
-/// A pipeline: the method, its kernel, whether for wide readings, its variant.
-type Key = (&'static str, Kernel, bool, bool);
-
-fn key(method: &dyn Method, kernel: Kernel, wide: bool) -> Key {
-    (method::name(method), kernel, wide, method.variant().is_some_and(|v| v.1))
 }
 
 /// A tile's part of a reading's sum: a number a thread.
@@ -77,221 +61,46 @@ struct BatchBuffers {
 impl Gpu {
     /// Opens the best adapter.
     pub fn new(options: &Options) -> Result<Gpu> {
-        let (found, device, queue) = adapter::open(options.hardware)?;
-        Ok(Self::with_device(found, device, queue, options))
+        Ok(Gpu::on(Device::open(options.hardware)?, options))
     }
 
     /// On a device that is open.
     pub fn with_device(found: Found, device: wgpu::Device, queue: wgpu::Queue, options: &Options) -> Gpu {
-        let entries: Vec<_> = BINDINGS
-            .iter()
-            .enumerate()
-            .map(|(binding, storage)| wgpu::BindGroupLayoutEntry {
-                binding: binding as u32,
-                visibility: wgpu::ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer {
-                    ty: match storage {
-                        None => wgpu::BufferBindingType::Uniform,
-                        Some(read_only) => wgpu::BufferBindingType::Storage { read_only: *read_only },
-                    },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            })
-            .collect();
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("every pass"),
-            entries: &entries,
-        });
-        let failure = Arc::new(Mutex::new(None));
-        let report = failure.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            report.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.to_string());
-        }));
-        let patches = options.patches.clone();
-        Gpu {
-            failure,
-            pending: None,
-            found,
-            device,
-            queue,
-            layout,
-            kernels: BTreeMap::new(),
-            patches,
-            chunks: BTreeMap::new(),
-        }
+        Gpu::on(Device::new(found, device, queue), options)
     }
 
-    /// The largest buffer that is bound whole, bytes.
-    fn bindable(&self) -> usize {
-        self.found.binding.min(self.found.buffer).min(1 << 30) as usize
+    fn on(device: Device, options: &Options) -> Gpu {
+        let passes = Passes::new(&device, options.patches.clone());
+        Gpu { device, passes, chunks: BTreeMap::new(), pending: None }
     }
 
     /// The adapter.
     pub fn found(&self) -> &Found {
-        &self.found
-    }
-
-    fn prepare(&mut self, method: &dyn Method, kernel: Kernel, wide: bool) -> Result<()> {
-        let variant = method.variant().filter(|_| kernel != Kernel::Sum);
-        let key = key(method, kernel, wide);
-        if self.kernels.contains_key(&key) {
-            return Ok(());
-        }
-        let label = format!("{} {}", key.0, kernel.name());
-        let mut source = shader::source(method, kernel, wide);
-        for (from, to) in &self.patches {
-            source = source.replace(from, to);
-        }
-        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(&label),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(&label),
-            bind_group_layouts: &[Some(&self.layout)],
-            immediate_size: 0,
-        });
-        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(&label),
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some(kernel.name()),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &variant.map(|(name, on)| (name, f64::from(on))).into_iter().collect::<Vec<_>>(),
-                ..Default::default()
-            },
-            cache: None,
-        });
-        if let Some(e) = pollster::block_on(scope.pop()) {
-            return Err(Error::NoAdapter(format!("{} refuses the kernel {label}: {e}", self.found)));
-        }
-        self.kernels.insert(key, pipeline);
-        Ok(())
-    }
-
-    fn buffer<T: Pod>(&self, label: &str, contents: &[T], usage: Usage) -> wgpu::Buffer {
-        let empty = vec![0u8; size_of::<T>().max(16)];
-        let contents = if contents.is_empty() { &empty } else { bytemuck::cast_slice(contents) };
-        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+        &self.device.found
     }
 
     fn upload(&self, batch: &Batch, sums: bool) -> BatchBuffers {
         let input = Usage::STORAGE | Usage::COPY_DST;
+        let device = &self.device;
         let slots = batch.first_part.last().copied().unwrap_or(0) as usize;
-        let parts = if sums { (slots.max(1) * PART_BYTES) as u64 } else { 4 * batch.cones.len() as u64 };
+        let parts = if sums { slots * PART_BYTES } else { batch.cones.len() * size_of::<u32>() };
         let chunk = |list: &ChunkList| ChunkBuffers {
-            tiles: self.buffer::<Tile>("tiles", &list.tiles, input),
-            entries: self.buffer::<Entry>("entries", &list.entries, input),
+            tiles: device.buffer("tiles", &list.tiles, input),
+            entries: device.buffer("entries", &list.entries, input),
             groups: list.tiles.len() as u32,
             place: [list.place[1], list.place[0]],
         };
         BatchBuffers {
-            cones: self.buffer::<Cone>("cones", &batch.cones, input),
-            // Zero from the start, as every new buffer.
-            parts: self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("parts"),
-                size: parts.max(16),
-                usage: Usage::STORAGE | Usage::COPY_SRC,
-                mapped_at_creation: false,
-            }),
-            shares: self.buffer("shares", &vec![[0u32; 4]; batch.cones.len()], input),
-            first_part: self.buffer("first_part", &batch.first_part, input),
+            cones: device.buffer("cones", &batch.cones, input),
+            parts: device.zeros("parts", parts as u64),
+            shares: device.buffer("shares", &vec![[0u32; 4]; batch.cones.len()], input),
+            first_part: device.buffer("first_part", &batch.first_part, input),
             chunks: batch.chunks.iter().map(chunk).collect(),
         }
     }
 
-    /// Records one kernel over one chunk (a thread a reading for [`Kernel::Sum`]).
-    fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        key: Key,
-        frame: &wgpu::Buffer,
-        buffers: &BatchBuffers,
-        chunk: &ChunkBuffers,
-        groups: u32,
-    ) {
-        let (Some(pipeline), Some(state)) = (self.kernels.get(&key), self.chunks.get(&chunk.place)) else { return };
-        let bound = [
-            frame,
-            &buffers.cones,
-            &chunk.tiles,
-            &chunk.entries,
-            state,
-            &buffers.parts,
-            &buffers.shares,
-            &buffers.first_part,
-        ];
-        let entries: Vec<_> = bound
-            .iter()
-            .enumerate()
-            .map(|(k, b)| wgpu::BindGroupEntry { binding: k as u32, resource: b.as_entire_binding() })
-            .collect();
-        let label = Some(key.1.name());
-        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label,
-            layout: &self.layout,
-            entries: &entries,
-        });
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        // More groups than one axis takes are cut by the caller: a chunk has 4096 tiles at most.
-        pass.dispatch_workgroups(groups, 1, 1);
-    }
-
-    fn submit(&self, encoder: &mut wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
-        let full = std::mem::replace(encoder, self.encoder());
-        self.queue.submit([full.finish()])
-    }
-
-    fn encoder(&self) -> wgpu::CommandEncoder {
-        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("batch") })
-    }
-
-    fn poll(&self, until: wgpu::PollType) -> Result<()> {
-        let lost = |e| Error::NoAdapter(format!("{} stopped answering: {e}", self.found));
-        self.device.poll(until).map(|_| ()).map_err(lost)
-    }
-
-    /// Reads a buffer's words back.
-    fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
-        let lost = |e: &dyn std::fmt::Display| Error::NoAdapter(format!("{}: reading back failed: {e}", self.found));
-        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("staging"),
-            size: buffer.size(),
-            usage: Usage::MAP_READ | Usage::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.encoder();
-        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
-        self.queue.submit([encoder.finish()]);
-        let (send, receive) = std::sync::mpsc::channel();
-        staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver waits below; it is gone only if this call is.
-            let _ = send.send(result);
-        });
-        self.poll(wgpu::PollType::wait_indefinitely())?;
-        receive.recv().map_err(|e| lost(&e))?.map_err(|e| lost(&e))?;
-        let view = staging.get_mapped_range(..).map_err(|e| lost(&e))?;
-        Ok(bytemuck::pod_collect_to_vec(&view))
-    }
-
-    /// Fails if the device has reported an error by itself.
     fn healthy(&self) -> Result<()> {
-        match self.failure.lock().unwrap_or_else(PoisonError::into_inner).as_deref() {
-            None => Ok(()),
-            Some(what) => {
-                let resident = crate::memory::show(self.chunks.values().map(wgpu::Buffer::size).sum());
-                Err(Error::Resources(format!(
-                    "{} failed with {resident} of cells resident: {what}; give smaller --bounds, a coarser --resolution, a \
-                     smaller --batch, or --backend cpu",
-                    self.found
-                )))
-            }
-        }
+        self.device.healthy(self.chunks.values().map(wgpu::Buffer::size).sum())
     }
 
     /// Fails where an adapter can't do what a batch asks.
@@ -299,13 +108,14 @@ impl Gpu {
         if let Some(why) = method.cpu_only() {
             return Err(Error::NoAdapter(format!("{why}: use --backend cpu")));
         }
-        let chunk = (method::tile_words(method) * 4 * crate::layout::CHUNK * crate::layout::CHUNK) as u64;
-        if chunk > self.found.binding || self.found.workgroups < 4096 {
+        let (found, tiles) = (self.found(), CHUNK * CHUNK);
+        let chunk = (method::tile_words(method) * 4 * tiles) as u64;
+        if chunk > found.binding || (found.workgroups as usize) < tiles {
             return Err(Error::NoAdapter(format!(
-                "{} binds at most {} bytes and {} workgroups; a chunk of {} needs {chunk} and 4096: use --backend cpu",
-                self.found,
-                self.found.binding,
-                self.found.workgroups,
+                "{found} binds at most {} bytes and {} workgroups; a chunk of {} needs {chunk} and {tiles}: use \
+                 --backend cpu",
+                found.binding,
+                found.workgroups,
                 method::name(method)
             )));
         }
@@ -319,14 +129,14 @@ impl Backend for Gpu {
     }
 
     fn adapter(&self) -> String {
-        self.found.to_string()
+        self.found().to_string()
     }
 
     fn limits(&self) -> Limits {
-        let bindable = self.bindable();
+        let bindable = self.device.bindable();
         Limits {
             // Sum takes a thread a reading, 64 in a group.
-            readings: (bindable / size_of::<Cone>()).min(64 * self.found.workgroups as usize),
+            readings: (bindable / size_of::<Cone>()).min(64 * self.found().workgroups as usize),
             entries: bindable / size_of::<Entry>(),
             parts: bindable / PART_BYTES,
         }
@@ -345,8 +155,8 @@ impl Backend for Gpu {
         let wide = batch.cones.iter().any(|c| c.flags & WIDE != 0);
         for step in steps {
             match step {
-                Step::Pass(pass, _) => self.prepare(method, (*pass).into(), wide)?,
-                Step::Sum => self.prepare(method, Kernel::Sum, wide)?,
+                Step::Pass(pass, _) => self.passes.prepare(&self.device, method, (*pass).into(), wide)?,
+                Step::Sum => self.passes.prepare(&self.device, method, Kernel::Sum, wide)?,
                 Step::Share => {}
             }
         }
@@ -354,56 +164,54 @@ impl Backend for Gpu {
             let place = [list.place[1], list.place[0]];
             if !self.chunks.contains_key(&place) {
                 let usage = Usage::STORAGE | Usage::COPY_SRC;
-                self.chunks.insert(place, self.buffer("chunk", &fresh_chunk(method), usage));
+                self.chunks.insert(place, self.device.buffer("chunk", &fresh_chunk(method), usage));
             }
         }
         let buffers = self.upload(batch, steps.contains(&Step::Sum));
-        let mut encoder = self.encoder();
+        let mut encoder = self.device.encoder();
+        let record = |encoder: &mut _, kernel, frame: Frame, chunk: &ChunkBuffers, groups| {
+            let Some(state) = self.chunks.get(&chunk.place) else { return };
+            let frame = self.device.buffer("frame", &[frame], Usage::UNIFORM);
+            let b = &buffers;
+            let bound = [&frame, &b.cones, &chunk.tiles, &chunk.entries, state, &b.parts, &b.shares, &b.first_part];
+            self.passes.record(&self.device, encoder, key(method, kernel, wide), bound, groups);
+        };
         for step in steps {
             match *step {
                 Step::Pass(pass, mode) => {
-                    let frame = self.buffer("frame", &[Frame { mode, ..frame }], Usage::UNIFORM);
                     for chunk in &buffers.chunks {
-                        self.record(
-                            &mut encoder,
-                            key(method, pass.into(), wide),
-                            &frame,
-                            &buffers,
-                            chunk,
-                            chunk.groups,
-                        );
+                        record(&mut encoder, pass.into(), Frame { mode, ..frame }, chunk, chunk.groups);
                     }
                 }
                 Step::Sum => {
-                    let frame = self.buffer("frame", &[frame], Usage::UNIFORM);
+                    // Any chunk will do: a thread a reading.
                     if let Some(chunk) = buffers.chunks.first() {
-                        let groups = (batch.cones.len() as u32).div_ceil(64);
-                        self.record(&mut encoder, key(method, Kernel::Sum, wide), &frame, &buffers, chunk, groups);
+                        record(&mut encoder, Kernel::Sum, frame, chunk, (batch.cones.len() as u32).div_ceil(64));
                     }
                 }
                 Step::Share => {
-                    self.submit(&mut encoder);
-                    let counts = self.read(&buffers.parts)?;
+                    self.device.submit(&mut encoder);
+                    let counts = self.device.read(&buffers.parts)?;
                     let shares = shares(method, counts.into_iter(), outcomes);
-                    self.queue.write_buffer(&buffers.shares, 0, bytemuck::cast_slice(&shares));
+                    self.device.queue.write_buffer(&buffers.shares, 0, bytemuck::cast_slice(&shares));
                 }
             }
         }
-        let submitted = self.submit(&mut encoder);
+        let submitted = self.device.submit(&mut encoder);
         if let Some(before) = self.pending.replace(submitted) {
-            self.poll(wgpu::PollType::Wait { submission_index: Some(before), timeout: None })?;
+            self.device.wait(Some(before))?;
         }
         self.healthy()
     }
 
     fn wait(&mut self) -> Result<()> {
-        self.poll(wgpu::PollType::wait_indefinitely())?;
+        self.device.wait(None)?;
         self.healthy()
     }
 
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
         self.healthy()?;
         let chunks = std::mem::take(&mut self.chunks);
-        chunks.iter().map(|(place, buffer)| Ok((*place, self.read(buffer)?))).collect()
+        chunks.iter().map(|(place, buffer)| Ok((*place, self.device.read(buffer)?))).collect()
     }
 }

@@ -1,0 +1,112 @@
+//! An open device: buffers, submissions, reading back, and the errors that it reports by itself.
+
+use super::adapter::{self, Found};
+use crate::{Error, Result};
+use bytemuck::Pod;
+use std::sync::{Arc, Mutex, PoisonError};
+use wgpu::BufferUsages as Usage;
+use wgpu::util::DeviceExt;
+
+/// An adapter's device and queue.
+pub struct Device {
+    /// The adapter.
+    pub found: Found,
+    pub(super) device: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
+    /// The first error that the device reported by itself: out of memory, lost.
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+impl Device {
+    /// Opens the best adapter; `hardware`: a software adapter is not good enough.
+    pub fn open(hardware: bool) -> Result<Device> {
+        let (found, device, queue) = adapter::open(hardware)?;
+        Ok(Device::new(found, device, queue))
+    }
+
+    /// Takes over a device that is open.
+    pub fn new(found: Found, device: wgpu::Device, queue: wgpu::Queue) -> Device {
+        let failure = Arc::new(Mutex::new(None));
+        let report = failure.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            report.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.to_string());
+        }));
+        Device { found, device, queue, failure }
+    }
+
+    /// The largest buffer that is bound whole, bytes.
+    pub fn bindable(&self) -> usize {
+        self.found.binding.min(self.found.buffer).min(1 << 30) as usize
+    }
+
+    /// A buffer that holds `contents`, or where there is nothing, something to bind.
+    pub fn buffer<T: Pod>(&self, label: &str, contents: &[T], usage: Usage) -> wgpu::Buffer {
+        let empty = vec![0u8; size_of::<T>().max(16)];
+        let contents = if contents.is_empty() { &empty } else { bytemuck::cast_slice(contents) };
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+    }
+
+    /// A buffer of zeros, to be read back.
+    pub fn zeros(&self, label: &str, size: u64) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: size.max(16),
+            usage: Usage::STORAGE | Usage::COPY_SRC,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// An empty list of commands.
+    pub fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("batch") })
+    }
+
+    /// Submits the commands so far and begins anew.
+    pub fn submit(&self, encoder: &mut wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
+        let full = std::mem::replace(encoder, self.encoder());
+        self.queue.submit([full.finish()])
+    }
+
+    /// Waits for a submission, or for all.
+    pub fn wait(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
+        let until = wgpu::PollType::Wait { submission_index, timeout: None };
+        let lost = |e| Error::NoAdapter(format!("{} stopped answering: {e}", self.found));
+        self.device.poll(until).map(|_| ()).map_err(lost)
+    }
+
+    /// Reads a buffer's words back.
+    pub fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
+        let lost = |e: &dyn std::fmt::Display| Error::NoAdapter(format!("{}: reading back failed: {e}", self.found));
+        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("staging"),
+            size: buffer.size(),
+            usage: Usage::MAP_READ | Usage::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.encoder();
+        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+        self.queue.submit([encoder.finish()]);
+        let (send, receive) = std::sync::mpsc::channel();
+        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver waits below; it is gone only if this call is.
+            let _ = send.send(result);
+        });
+        self.wait(None)?;
+        receive.recv().map_err(|e| lost(&e))?.map_err(|e| lost(&e))?;
+        let view = staging.get_mapped_range(..).map_err(|e| lost(&e))?;
+        Ok(bytemuck::pod_collect_to_vec(&view))
+    }
+
+    /// Fails if the device has reported an error by itself; `resident`: bytes of cells that it holds.
+    pub fn healthy(&self, resident: u64) -> Result<()> {
+        match self.failure.lock().unwrap_or_else(PoisonError::into_inner).as_deref() {
+            None => Ok(()),
+            Some(what) => Err(Error::Resources(format!(
+                "{} failed with {} of cells resident: {what}; give smaller --bounds, a coarser --resolution, a smaller \
+                 --batch, or --backend cpu",
+                self.found,
+                crate::memory::show(resident)
+            ))),
+        }
+    }
+}

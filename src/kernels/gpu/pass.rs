@@ -1,0 +1,117 @@
+//! Pipelines, made when they are first needed, and the recording of a pass.
+
+use super::Patch;
+use super::device::Device;
+use super::shader::{self, Kernel};
+use crate::method::{self, Method};
+use crate::{Error, Result};
+use std::collections::BTreeMap;
+
+/// Bindings, in the order of `shaders/layout.wgsl`: uniform, then storage, read-only or not.
+const BINDINGS: [Option<bool>; 8] =
+    [None, Some(true), Some(true), Some(true), Some(false), Some(false), Some(false), Some(true)];
+
+/// A pipeline: the method, its kernel, whether for wide readings, its variant.
+pub type Key = (&'static str, Kernel, bool, bool);
+
+/// The pipeline of a method's kernel.
+pub fn key(method: &dyn Method, kernel: Kernel, wide: bool) -> Key {
+    (method::name(method), kernel, wide, method.variant().is_some_and(|v| v.1))
+}
+
+/// The pipelines, and the one layout of their bindings.
+pub struct Passes {
+    layout: wgpu::BindGroupLayout,
+    pipelines: BTreeMap<Key, wgpu::ComputePipeline>,
+    patches: Vec<Patch>,
+}
+
+impl Passes {
+    /// None yet.
+    pub fn new(device: &Device, patches: Vec<Patch>) -> Passes {
+        let entry = |(binding, storage): (usize, &Option<bool>)| wgpu::BindGroupLayoutEntry {
+            binding: binding as u32,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: match storage {
+                    None => wgpu::BufferBindingType::Uniform,
+                    Some(read_only) => wgpu::BufferBindingType::Storage { read_only: *read_only },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        let entries: Vec<_> = BINDINGS.iter().enumerate().map(entry).collect();
+        let layout = device.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("every pass"),
+            entries: &entries,
+        });
+        Passes { layout, pipelines: BTreeMap::new(), patches }
+    }
+
+    /// Makes a pipeline that is not there yet.
+    pub fn prepare(&mut self, device: &Device, method: &dyn Method, kernel: Kernel, wide: bool) -> Result<()> {
+        let key = key(method, kernel, wide);
+        if self.pipelines.contains_key(&key) {
+            return Ok(());
+        }
+        let label = format!("{} {}", key.0, kernel.name());
+        let mut source = shader::source(method, kernel, wide);
+        for (from, to) in &self.patches {
+            source = source.replace(from, to);
+        }
+        let variant = method.variant().filter(|_| kernel != Kernel::Sum);
+        let constants: Vec<_> = variant.map(|(name, on)| (name, f64::from(on))).into_iter().collect();
+        let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(&label),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        let layout = device.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &[Some(&self.layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(kernel.name()),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            cache: None,
+        });
+        if let Some(e) = pollster::block_on(scope.pop()) {
+            return Err(Error::NoAdapter(format!("{} refuses the kernel {label}: {e}", device.found)));
+        }
+        self.pipelines.insert(key, pipeline);
+        Ok(())
+    }
+
+    /// Records a pass over `groups` workgroups; `bound` in the order of the bindings. A chunk has at most 4096 tiles, and a
+    /// batch at most 64 readings for each group of a dispatch, so one axis suffices.
+    pub fn record(
+        &self,
+        device: &Device,
+        encoder: &mut wgpu::CommandEncoder,
+        key: Key,
+        bound: [&wgpu::Buffer; 8],
+        groups: u32,
+    ) {
+        let Some(pipeline) = self.pipelines.get(&key) else { return };
+        let entries: Vec<_> = (0..)
+            .zip(bound)
+            .map(|(binding, b)| wgpu::BindGroupEntry { binding, resource: b.as_entire_binding() })
+            .collect();
+        let label = Some(key.1.name());
+        let group = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label,
+            layout: &self.layout,
+            entries: &entries,
+        });
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(groups, 1, 1);
+    }
+}
