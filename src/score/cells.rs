@@ -1,7 +1,7 @@
 //! The cells to compare, truth and map laid on one another. A margin of cells that are not compared runs around them, so
 //! that every compared cell has its neighbours.
 
-use super::levels::{NOT_COMPARED, level};
+use super::levels::{NOT_COMPARED, class_of, level};
 use super::probability::probabilities;
 use super::{Options, TrueCells};
 use crate::grid::{GridSpec, Map};
@@ -39,7 +39,7 @@ impl Cells {
         let grid = grown(&rectangle, margin);
         let probability = probabilities(map);
         let decided = |k: usize| match options.decide {
-            None => class.data.get(k).signum() as i8,
+            None => class_of(class.data.get(k)),
             Some(_) if touched.data.get(k) == 0.0 => 0,
             Some((high, low)) => {
                 let p = f64::from(probability[k]);

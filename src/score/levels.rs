@@ -57,3 +57,8 @@ impl Zones {
         Zones { z1, z2: z1 + z3 + z4, z3, z4, z5 }
     }
 }
+
+/// A class layer's value as −1, 0 or 1. (`f64::signum` makes 1 of 0.)
+pub(super) fn class_of(value: f64) -> i8 {
+    i8::from(value > 0.0) - i8::from(value < 0.0)
+}

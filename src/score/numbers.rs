@@ -24,6 +24,8 @@ pub struct Numbers {
     pub o_to_e: u64,
     /// `o_to_e` ÷ truly occupied cells that both know.
     pub danger: Option<f64>,
+    /// `o_to_e` ÷ all truly occupied cells compared, those that the map leaves unknown among them.
+    pub freed: Option<f64>,
     /// Equal class ÷ cells that both know.
     pub accuracy: Option<f64>,
     /// Cells that the map leaves unknown ÷ cells compared.
@@ -94,6 +96,7 @@ impl Numbers {
             occupied_found: both,
             o_to_e: freed,
             danger: share(freed, freed + both),
+            freed: share(freed, occupied),
             accuracy: share(equal, known),
             unknown: share(unknown, compared),
             recall_tolerant,

@@ -78,6 +78,7 @@ const COLUMNS: &[Column] = {
         ("left unknown", Lower, |n| n.unknown, percent),
         ("accuracy", Higher, |n| n.accuracy, fraction),
         ("danger", Lower, |n| n.danger, fraction),
+        ("danger, of all walls", Lower, |n| n.freed, fraction),
         ("walls shown free", Lower, |n| Some(n.o_to_e as f64), count),
         ("walls found", Higher, |n| Some(n.occupied_found as f64), count),
         ("recall, tolerant", Higher, |n| n.recall_tolerant, fraction),

@@ -1,5 +1,6 @@
 //! What a map is scored against: another map, or a world whose true map is drawn on the scored map's own cells.
 
+use super::levels::class_of;
 use crate::grid::{GridSpec, Map};
 use crate::output::{read_map, read_ros};
 use crate::{Error, Result};
@@ -65,7 +66,7 @@ impl Truth {
         match self {
             Truth::Map(map) => {
                 let class = map.layer("class").ok_or_else(|| Error::Usage("the true map has no layer class".into()))?;
-                let class = (0..class.data.len()).map(|k| class.data.get(k).signum() as i8).collect();
+                let class = (0..class.data.len()).map(|k| class_of(class.data.get(k))).collect();
                 Ok(TrueCells { grid: map.grid, class, all: false, near: None })
             }
             Truth::World { bounds, r_max, draw } => {
