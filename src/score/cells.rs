@@ -42,8 +42,8 @@ impl Cells {
             None => class_of(class.data.get(k)),
             Some(_) if touched.data.get(k) == 0.0 => 0,
             Some((high, low)) => {
-                let p = f64::from(probability[k]);
-                i8::from(p > high) - i8::from(p < low)
+                let p = probability[k];
+                i8::from(p > high as f32) - i8::from(p < low as f32)
             }
         };
         // Where the frame's cells lie in the truth's grid, and in the map's.

@@ -1,6 +1,7 @@
 //! What a score leaves to look at: error plots, histograms, and one HTML file that holds them all.
 
 use super::chart::{escape, histogram};
+use super::picture::Window;
 use super::table::{labels, rows};
 use super::{Check, Score, picture};
 use crate::{Error, Result};
@@ -41,16 +42,19 @@ pub fn write_report(folder: &Path, truth: &str, scores: &[Score], checks: &[Chec
     }
     html += "</p>\n";
     html += NOTES;
+    let anchored = scores.windows(2).all(|s| s[0].cells.grid.anchor == s[1].cells.grid.anchor);
+    let window = anchored.then(|| Window::around(scores.iter().map(|s| &s.cells)));
     for ((score, label), file) in scores.iter().zip(&labels).zip(file_names(&labels)) {
         let cells = &score.cells;
-        let errors = picture::errors(cells).map_err(drawn)?;
+        let window = window.unwrap_or_else(|| Window::around([cells].into_iter()));
+        let errors = picture::errors(cells, &window).map_err(drawn)?;
         let chart = histogram(label, &score.numbers.levels);
         save(format!("{file}.errors.png"), &errors)?;
         save(format!("{file}.levels.svg"), chart.as_bytes())?;
         html += &format!("<h2>{} ({})</h2>\n<div class=\"row\">", escape(label), escape(&score.method));
         let pictures = [
-            ("truth", picture::classes(cells, &cells.actual).map_err(drawn)?),
-            ("map", picture::classes(cells, &cells.obtained).map_err(drawn)?),
+            ("truth", picture::classes(cells, &window, &cells.actual).map_err(drawn)?),
+            ("map", picture::classes(cells, &window, &cells.obtained).map_err(drawn)?),
             ("errors", errors),
         ];
         for (what, png) in pictures {
