@@ -97,12 +97,11 @@ fn walk(name: &str, value: &Value, all: &mut Vec<(String, Option<f64>)>) {
     let inner = |key: &str| if name.is_empty() { key.to_string() } else { format!("{name}.{key}") };
     match value {
         Value::Object(object) => {
-            // `z5` for `zones.z5`, `near.z5` for `near.zones.z5`.
             for (key, value) in object {
-                walk(&inner(if key == "zones" { "" } else { key }).trim_matches('.'), value, all);
                 if key == "zones" {
-                    walk(&inner(key), value, all);
+                    walk(name, value, all); // `z5` for `zones.z5`, `near.z5` for `near.zones.z5`
                 }
+                walk(&inner(key), value, all);
             }
         }
         Value::Array(list) => list.iter().enumerate().for_each(|(k, v)| walk(&inner(&k.to_string()), v, all)),
