@@ -28,7 +28,7 @@ pub struct Numbers {
     pub freed: Option<f64>,
     /// Equal class ÷ cells that both know.
     pub accuracy: Option<f64>,
-    /// Cells that the map leaves unknown ÷ cells compared.
+    /// Cells that the truth knows and the map leaves unknown ÷ cells that the truth knows.
     pub unknown: Option<f64>,
     /// Truly occupied cells with an occupied one within the tolerance ÷ all of them.
     pub recall_tolerant: Option<f64>,
@@ -69,7 +69,7 @@ impl Numbers {
             levels[usize::from(cells.levels[k])] += 1;
             known += u64::from(actual != 0 && obtained != 0);
             equal += u64::from(actual != 0 && obtained == actual);
-            unknown += u64::from(obtained == 0);
+            unknown += u64::from(actual != 0 && obtained == 0);
             freed += u64::from(actual > 0 && obtained < 0);
             both += u64::from(actual > 0 && obtained > 0);
             if actual > 0 {
@@ -98,7 +98,7 @@ impl Numbers {
             danger: share(freed, freed + both),
             freed: share(freed, occupied),
             accuracy: share(equal, known),
-            unknown: share(unknown, compared),
+            unknown: share(unknown, known + unknown),
             recall_tolerant,
             precision_tolerant,
             f1_tolerant: harmonic(recall_tolerant, precision_tolerant),
