@@ -120,6 +120,13 @@ fn has_tie(cone: &Cone) -> bool {
     })
 }
 
+/// Whether two complements of Occ agree when sums were added in another order. A sum of n terms, none negative, is off by
+/// n·u at most, so each reading's share by twice that; no arc here has 500 cells.
+fn near(a: u32, b: u32, readings: usize) -> bool {
+    let most = readings as f32 * 2.0 * 500.0 * (f32::EPSILON / 2.0);
+    (f32::from_bits(a) - f32::from_bits(b)).abs() <= most
+}
+
 fn layer<'a>(run: &'a Run, name: &str) -> &'a echogrid::grid::Data {
     &run.map.layer(name).unwrap().data
 }
@@ -167,6 +174,9 @@ proptest! {
                     // Σ Occ_k is added tile by tile, in another order after a turn: all but occupancy is the same.
                     let words = if name == "certainty" { 3 } else { a.len() };
                     prop_assert_eq!(&a[..words], &b[..words], "{}: cell {},{}", name, x, y);
+                    if name == "certainty" {
+                        prop_assert!(near(a[3], b[3], readings.len()), "occupancy of cell {},{}", x, y);
+                    }
                 }
             }
         }
@@ -195,6 +205,9 @@ proptest! {
                     let (p, q) = (&a[(y * 384 + x) as usize], &b[((y + dj) * 384 + x + di) as usize]);
                     let words = if exact { p.len() } else { 3 };
                     prop_assert_eq!(&p[..words], &q[..words], "{}: cell {},{}", name, x, y);
+                    if !exact {
+                        prop_assert!(near(p[3], q[3], readings.len()), "occupancy of cell {},{}", x, y);
+                    }
                 }
             }
         }

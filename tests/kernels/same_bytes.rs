@@ -1,6 +1,6 @@
 //! The same bytes whatever the batch, the number of threads and the run.
 
-use crate::common::{Scene, assert_same, every_settings, gpu};
+use crate::common::{Scene, assert_same, every_settings, gpu, settings};
 use crate::scenes;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::kernels::{Backend, Limits};
@@ -49,6 +49,31 @@ fn batches_on_the_gpu() {
         for batch in [1, 7] {
             let run = few.run(method.as_ref(), &mut *gpu, batch);
             assert_same(&format!("{name}, batches of {batch}, gpu"), &run, &at_once);
+        }
+    }
+}
+
+/// The larger scenes, by the four methods: 20,000 overlapping cones, and both real logs in 5 cm cells.
+#[test]
+fn large_scenes() {
+    let real = |name: &str| scenes::real(name, 0.05, false);
+    let scenes = [Some(scenes::crowd()), real("sonar_ring_8/test1"), real("sonar_ring_8/test2")];
+    for scene in scenes.into_iter().flatten() {
+        for name in ["certainty", "dempster-shafer", "bayes", "himm"] {
+            let settings = settings(name);
+            let method = method::make(settings);
+            let whole = scene.run(method.as_ref(), &mut Cpu::new(2).unwrap(), BATCH);
+            for batch in [7, 1000] {
+                let run = scene.run(method.as_ref(), &mut Cpu::new(2).unwrap(), batch);
+                assert_same(&format!("{name} on {}, batches of {batch}, cpu", scene.name), &run, &whole);
+            }
+            let one = scene.run(method.as_ref(), &mut Cpu::new(1).unwrap(), 5000);
+            assert_same(&format!("{name} on {}, 1 thread", scene.name), &one, &whole);
+            // In this order: an adapter is shared by one test at a time.
+            let Some(at_once) = scene.gpu(settings) else { continue };
+            let Some(mut gpu) = gpu() else { return };
+            let run = scene.run(method.as_ref(), &mut *gpu, 1000);
+            assert_same(&format!("{name} on {}, batches of 1000, gpu", scene.name), &run, &at_once);
         }
     }
 }
