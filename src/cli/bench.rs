@@ -1,6 +1,6 @@
 //! `echogrid bench`.
 
-use super::common::LogArguments;
+use super::common::{LogArguments, threads, warn_of_bad_lines, warn_of_jump};
 use super::{note, say};
 use crate::kernels::{Choice, choose, gpu_required};
 use crate::method::{self, REGISTRY, settings::Settings};
@@ -36,7 +36,7 @@ pub struct Bench {
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..1000))]
     runs: u64,
     /// Threads of the CPU's kernels; 0: one a core
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// Print the figures as JSON
     #[arg(long)]
@@ -118,6 +118,8 @@ impl Bench {
 fn from_log(path: &std::path::Path) -> Result<Workload> {
     let arguments = LogArguments::plain(path);
     let session = arguments.session()?;
+    warn_of_bad_lines(&session);
+    warn_of_jump(&arguments, &session);
     let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
     let (readings, _) = session.all()?;
     Ok(Workload { name: format!("{name}, 5 cm"), grid: session.grid, sensors: session.sensors().to_vec(), readings })

@@ -80,7 +80,7 @@ pub struct LogArguments {
     #[arg(long, value_name = "N", default_value_t = crate::mapper::BATCH, hide_short_help = true)]
     pub batch: usize,
     /// Threads of the CPU's kernels; 0: one a core; the result does not depend on it
-    #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads, hide_short_help = true)]
     pub threads: usize,
 }
 
@@ -98,6 +98,11 @@ fn number(text: &str) -> std::result::Result<f64, String> {
 /// A count on the command line that can't be 0.
 pub fn from_one(text: &str) -> std::result::Result<u64, String> {
     text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "give a whole number from 1".into())
+}
+
+/// Threads on the command line: more than a machine has only cost.
+pub fn threads(text: &str) -> std::result::Result<usize, String> {
+    text.parse().ok().filter(|n| *n <= 1024).ok_or_else(|| "give 0 (one a core) to 1024".into())
 }
 
 /// Every method.
@@ -202,9 +207,7 @@ pub fn parameters(session: &Session) -> Vec<(String, String)> {
         let one = values.iter().all(|v| *v == first.to_string());
         all.push((name.into(), if one { first.to_string() } else { values.join(" ") }));
     }
-    let places: Vec<String> = sensors.iter().map(|s| format!("{},{}", s.x, s.y)).collect();
-    let centred = sensors.iter().all(|s| s.x == 0.0 && s.y == 0.0);
-    all.push(("mounts".into(), if centred { "none".into() } else { places.join(" ") }));
+    all.push(("mounts".into(), session.log.mounts().into()));
     all.extend(session.method.settings().values().into_iter().map(|(k, v)| (k.to_string(), v)));
     all
 }
@@ -256,6 +259,14 @@ pub fn warn_of_bad_lines(session: &Session) {
     };
     let quoted: String = bad.first.iter().map(|line| format!("  {line}\n")).collect();
     note!("{path}: {what}:\n{quoted}  (mend them, or give --strict to write nothing then; the exit code is 6)");
+}
+
+/// Warns of a pose that jumps, where the grid follows it.
+pub fn warn_of_jump(arguments: &LogArguments, session: &Session) {
+    if let (None, Some((line, what))) = (&arguments.bounds, session.survey.jump()) {
+        let path = session.log.path().display();
+        note!("{path}:{line}: {what}, and the grid follows it; if that is wrong, mend the line or give --bounds");
+    }
 }
 
 /// Warns where bounds were given that no reading reaches.

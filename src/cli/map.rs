@@ -1,7 +1,8 @@
 //! `echogrid map`.
 
 use super::common::{
-    BackendArgument, LogArguments, done, from_one, parameters, progress, readings, warn_of_bad_lines, warn_of_empty_map,
+    BackendArgument, LogArguments, done, from_one, parameters, progress, readings, warn_of_bad_lines,
+    warn_of_empty_map, warn_of_jump,
 };
 use super::say;
 use crate::kernels::cpu::Cpu;
@@ -51,6 +52,7 @@ impl Map {
         warn_of_bad_lines(&session);
         session.check_memory(session.memory(self.log.batch), self.memory)?;
         self.check_working(&session)?;
+        warn_of_jump(&self.log, &session);
 
         let started = Instant::now();
         let bar = progress(&session, self.quiet || self.json);
@@ -128,6 +130,7 @@ pub fn save(
     let info = RunInfo {
         parameters: output::parameters(parameters(session)),
         log: LogInfo { path: session.log.path().display().to_string(), sha256: session.log.sha256()? },
+        sensors: session.sensors().to_vec(),
         readings: mapped.counts,
         seconds,
         backend: ran.backend.into(),

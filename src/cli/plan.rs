@@ -1,11 +1,12 @@
 //! `echogrid plan`.
 
-use super::common::{LogArguments, done, parameters, warn_of_bad_lines};
+use super::common::{LogArguments, done, parameters, warn_of_bad_lines, warn_of_jump};
 use super::say;
 use crate::Result;
 use crate::kernels::dry::Dry;
 use crate::memory::{self, show};
 use crate::method::{self, Step};
+use crate::output::tidy;
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
@@ -22,6 +23,7 @@ impl Plan {
     pub fn run(self) -> Result<u8> {
         let session = self.log.session()?;
         warn_of_bad_lines(&session);
+        warn_of_jump(&self.log, &session);
         let mut dry = Dry::default();
         let method = session.method.as_ref();
         let mut mapper = crate::mapper::Mapper::new(session.grid, session.sensors(), method, &mut dry, self.log.batch);
@@ -41,7 +43,7 @@ impl Plan {
                 "readings": counts,
                 "scans": session.survey.scans,
                 "bad_lines": session.survey.bad_lines.count,
-                "cells": {"x0": grid.x0(), "y0": grid.y0(), "resolution": grid.resolution, "width": grid.width, "height": grid.height},
+                "cells": {"x0": tidy(grid.x0()), "y0": tidy(grid.y0()), "resolution": grid.resolution, "width": grid.width, "height": grid.height},
                 "chunks": chunks,
                 "batches": work.batches,
                 "entries": work.entries,

@@ -1,6 +1,6 @@
 //! `echogrid verify`.
 
-use super::common::{LogArguments, done, warn_of_bad_lines};
+use super::common::{LogArguments, done, warn_of_bad_lines, warn_of_jump};
 use super::{note, say};
 use crate::compare::{Options, compare, write_pictures};
 use crate::kernels::{Choice, Chosen, choose, gpu_required};
@@ -49,6 +49,7 @@ impl Verify {
         let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
         let readings = session.survey.counts.used * 200;
         session.check_memory(2 * session.memory(self.log.batch) + oracle_cells + readings, None)?;
+        warn_of_jump(&self.log, &session);
         let (backends, skipped) = self.open(&session)?;
         let started = Instant::now();
         let oracle = session.oracle()?;

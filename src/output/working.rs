@@ -7,7 +7,7 @@ mod canvas;
 mod outline;
 mod picture;
 
-use super::report::parameters;
+use super::report::{parameters, tidy};
 use super::unwritable;
 use crate::grid::{GridSpec, Map};
 use crate::method::settings::{Order, Settings};
@@ -131,8 +131,8 @@ pub fn write_working(
         method: method::name(method.as_ref()),
         parameters: parameters(settings.values()),
         grid: GridInfo {
-            x0: grid.x0(),
-            y0: grid.y0(),
+            x0: tidy(grid.x0()),
+            y0: tidy(grid.y0()),
             resolution: grid.resolution,
             width: grid.width,
             height: grid.height,

@@ -98,6 +98,10 @@ fn cells_and_bounds() {
 #[test]
 fn counts_and_sizes() {
     mistyped(&["--until", "0"], "invalid value '0' for '--until <N>': give a whole number from 1");
+    for given in ["1025", "100000", "-1", "many"] {
+        let message = format!("invalid value '{given}' for '--threads <N>': give 0 (one a core) to 1024");
+        mistyped(&[&format!("--threads={given}")], &message);
+    }
     mistyped(&["--working", "-3"], "invalid value '-3' for '--working <N>': give a whole number from 1");
     mistyped(
         &["--memory", "lots"],
