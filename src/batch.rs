@@ -51,6 +51,24 @@ impl Binning {
         self.size.map(|s| s.div_ceil(TILE) as i64)
     }
 
+    /// Tiles that a cone reaches at most: those of its box.
+    pub fn at_most(&self, cone: &Cone) -> usize {
+        let shape = Shape::of(cone, self.footprint);
+        let [rows, columns] = self.spans(cone, &shape).map(|s| (s.end - s.start).max(0) as usize);
+        rows * columns
+    }
+
+    /// The tile rows and tile columns of a cone's box.
+    fn spans(&self, cone: &Cone, shape: &Shape) -> [Range<i64>; 2] {
+        let edge = (TILE as i64) * i64::from(CELL);
+        let tiles = self.tiles();
+        [1, 0].map(|k| {
+            let at = i64::from(cone.sensor[k]);
+            let first = (shape.low[k] + at).div_euclid(edge).max(0);
+            first..((shape.high[k] + at).div_euclid(edge) + 1).min(tiles[k])
+        })
+    }
+
     /// Bins snapped readings.
     pub fn bin(&self, mut cones: Vec<Cone>) -> Batch {
         for (k, cone) in cones.iter_mut().enumerate() {
@@ -114,14 +132,10 @@ impl Binning {
     fn reach(&self, cone: &Cone, slot: &mut u32, pairs: &mut Vec<Pair>) {
         let shape = Shape::of(cone, self.footprint);
         let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
-        let [columns, rows] = self.tiles();
         let edge = (TILE as i64) * i64::from(CELL);
-        let span = |low: i64, high: i64, at: i32, tiles: i64| -> Range<i64> {
-            let first = (low + i64::from(at)).div_euclid(edge).max(0);
-            first..((high + i64::from(at)).div_euclid(edge) + 1).min(tiles)
-        };
-        for j in span(shape.low[1], shape.high[1], cone.sensor[1], rows) {
-            for i in span(shape.low[0], shape.high[0], cone.sensor[0], columns) {
+        let [rows, columns] = self.spans(cone, &shape);
+        for j in rows {
+            for i in columns.clone() {
                 let (x, y) = (edge * i - i64::from(cone.sensor[0]), edge * j - i64::from(cone.sensor[1]));
                 let Some((arc, inside)) = shape.meets(x, y) else { continue };
                 let whole = (i + 1) as usize * TILE <= self.size[0] && (j + 1) as usize * TILE <= self.size[1];

@@ -25,6 +25,7 @@ pub mod workload;
 pub mod throughput;
 pub mod grid;
 pub mod output;
+pub mod score;
 pub mod compare;
 pub mod cli;
 pub mod error;

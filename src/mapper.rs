@@ -18,6 +18,9 @@ pub type Item = (Reading, Option<Edges>);
 /// Readings that a batch holds by default: enough to fill any machine, few enough to bin in little memory.
 pub const BATCH: usize = 65_536;
 
+/// (Cone, tile) pairs that a batch may come to: they are what its memory goes into.
+pub const PAIRS: usize = 1 << 22;
+
 /// Maps readings, batch by batch.
 pub struct Mapper<'a> {
     grid: GridSpec,
@@ -106,6 +109,9 @@ impl<'a> Mapper<'a> {
             footprint: self.method.footprint(),
             no_echo_arcs: self.method.sweeps()[sweep].contains(&method::Step::Share),
         };
+        if items.len() > 1 && snapped.iter().flatten().map(|c| binning.at_most(c)).sum::<usize>() > PAIRS {
+            return self.halves(sweep, items);
+        }
         let batch = binning.bin(snapped.into_iter().flatten().collect());
         self.work.binning_us += started.elapsed().as_micros() as u64;
         let limits = self.backend.limits();
@@ -120,9 +126,7 @@ impl<'a> Mapper<'a> {
                     limits.entries.min(limits.parts)
                 )));
             }
-            let (first, last) = items.split_at(items.len() / 2);
-            self.apply(sweep, first)?;
-            return self.apply(sweep, last);
+            return self.halves(sweep, items);
         }
         if sweep == 0 && self.counting {
             self.counts.outside += misses;
@@ -137,6 +141,13 @@ impl<'a> Mapper<'a> {
             constants: self.method.constants(),
         };
         self.backend.apply(self.method, frame, &batch, &outcomes, sweep)
+    }
+
+    /// Maps a batch that is too large as two.
+    fn halves(&mut self, sweep: usize, items: &[Item]) -> Result<()> {
+        let (first, last) = items.split_at(items.len() / 2);
+        self.apply(sweep, first)?;
+        self.apply(sweep, last)
     }
 
     /// Counts the readings that reach no cell, those without arc cells, and the wide ones.

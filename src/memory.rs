@@ -2,6 +2,7 @@
 
 use crate::grid::GridSpec;
 use crate::layout::{CHUNK, TILE};
+use crate::mapper::PAIRS;
 use crate::method::{self, Method};
 use crate::{Error, Result};
 
@@ -42,15 +43,17 @@ pub fn available() -> Option<u64> {
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
-/// What mapping takes at most, bytes: every chunk of the grid, its layers, one batch.
+/// What mapping takes, bytes, if readings reach every chunk of the grid: the cells, the layers, one batch.
 pub fn needed(grid: &GridSpec, method: &dyn Method, batch: usize) -> u64 {
     let edge = TILE * CHUNK;
     let chunks = (grid.width.div_ceil(edge) * grid.height.div_ceil(edge)) as u64;
     let state = chunks * (method::tile_words(method) * CHUNK * CHUNK * 4) as u64;
     // Layers and the combined one in f32, two counts, touched, class; then a copy of a layer to write.
     let layers = grid.cells() as u64 * (4 * (method.layers().len() as u64 + 1) + 8 + 2 + 4);
-    // A cone, and some 40 tiles with it, twice while they are merged.
-    state + layers + batch as u64 * (80 + 40 * 2 * 16)
+    // A cone, and its pairs with tiles, twice while they are merged; with certainty a sum's parts. A box of 64 tiles a
+    // reading is ample for 5 m on 5 cm, and no batch comes to more than PAIRS.
+    let pairs = (batch as u64 * 64).min(PAIRS as u64);
+    state + layers + batch as u64 * 80 + pairs * (2 * 24 + 8 + 64)
 }
 
 /// Fails where a run needs more than the cap, or than the machine has.

@@ -11,7 +11,7 @@ use crate::method::{self, Method};
 use crate::oracle::{self, OracleMap};
 use crate::output::BadLines;
 use crate::reading::{Counts, Reading, Record, judge};
-use crate::sensor::{Kind, Sensor};
+use crate::sensor::{Kind, Overrides, Sensor};
 use crate::snap::Edges;
 use crate::survey::{Survey, survey};
 use crate::wedge;
@@ -39,6 +39,7 @@ pub struct Request {
 pub struct Session {
     /// The log.
     pub log: Log,
+    sensors: Vec<Sensor>,
     /// The method.
     pub method: Box<dyn Method>,
     /// The grid.
@@ -75,16 +76,16 @@ impl Session {
                 ));
             }
             options.kind = Some(Kind::Laser);
-            let limits = &mut options.overrides;
-            limits.r_min = limits.r_min.or(Some(0.05));
-            limits.r_max = limits.r_max.or(Some(20.0));
-            limits.hit_range = limits.hit_range.or(limits.r_max);
         }
         let log = Log::open(path, &options)?;
+        let mut sensors = log.header().sensors.clone();
+        if request.settings == Settings::Truth {
+            sensors.iter_mut().for_each(|s| limit(s, &options.overrides));
+        }
         // Given bounds are checked before the log is read through.
         let given = request.bounds.map(|b| GridSpec::from_bounds(b, request.resolution)).transpose()?;
         let until = request.until.unwrap_or(u64::MAX);
-        let survey = survey(&log, request.resolution, until)?;
+        let survey = survey(&log, &sensors, request.resolution, until)?;
         if let (true, Some(first)) = (request.strict, survey.bad_lines.first.first()) {
             let more = match survey.bad_lines.count - 1 {
                 0 => String::new(),
@@ -100,12 +101,12 @@ impl Session {
             None => GridSpec::around(survey.covered, request.resolution).map_err(|e| survey.explain(e, path))?,
         };
         let method = method::make(request.settings);
-        Ok(Session { log, method, grid, survey, until, bounded: given.is_some() })
+        Ok(Session { log, sensors, method, grid, survey, until, bounded: given.is_some() })
     }
 
-    /// The log's sensors.
+    /// The log's sensors, with the method's limits.
     pub fn sensors(&self) -> &[Sensor] {
-        &self.log.header().sensors
+        &self.sensors
     }
 
     /// What mapping takes at most, bytes, `batch` readings at a time.
@@ -177,6 +178,19 @@ impl Session {
 }
 
 /// What to say of a log none of whose readings can be mapped.
+/// The laser truth trusts 5 cm to 20 m, and no more than the sensor does; what the user sets stays.
+fn limit(sensor: &mut Sensor, set: &Overrides) {
+    if set.r_min.is_none() {
+        sensor.r_min = sensor.r_min.max(0.05);
+    }
+    if set.r_max.is_none() {
+        sensor.r_max = sensor.r_max.min(20.0);
+    }
+    if set.hit_range.is_none() {
+        sensor.hit_range = sensor.hit_range.min(sensor.r_max);
+    }
+}
+
 fn nothing_to_map(counts: &Counts, bad: &BadLines) -> String {
     let r = counts.rejected;
     let reasons = [

@@ -3,6 +3,7 @@
 use crate::log::{Log, Problem};
 use crate::output::BadLines;
 use crate::reading::{Counts, Pose, judge};
+use crate::sensor::Sensor;
 use crate::{Error, Result};
 use std::path::Path;
 
@@ -33,8 +34,7 @@ pub struct Survey {
 ///
 /// # Errors
 /// The log's.
-pub fn survey(log: &Log, resolution: f64, until: u64) -> Result<Survey> {
-    let sensors = &log.header().sensors;
+pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64) -> Result<Survey> {
     let mut survey = Survey {
         counts: Counts::default(),
         scans: 0,

@@ -6,7 +6,7 @@ const PLANES: u32 = 3u;
 const LEAST: f32 = 0.02;
 const MOST: f32 = 0.98;
 
-// Two constants instead of Murphy's profile.
+// Two constants instead of Murphy's profile: the counts are all its state.
 override CONSTANT: bool = false;
 
 // The log odds of occupied of four cells.
@@ -39,12 +39,10 @@ fn store(cells: Cells, at: u32) {
 }
 
 fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {
-    var l: vec4<f32>;
     if CONSTANT {
-        l = select(vec4<f32>(frame.constants[1].y), vec4<f32>(frame.constants[1].x), row.arc);
-    } else {
-        let at = polar(cone, row);
-        l = evidence(murphy(cone.profile.x, at.distance, at.turn), row.arc);
+        return;
     }
+    let at = polar(cone, row);
+    let l = evidence(murphy(cone.profile.x, at.distance, at.turn), row.arc);
     (*cells).odds = (*cells).odds + select(vec4<f32>(0.0), l, row.interior | row.arc);
 }

@@ -9,6 +9,7 @@ mod doctor;
 mod generate;
 mod map;
 mod plan;
+mod score;
 mod verify;
 
 use crate::Result;
@@ -53,6 +54,8 @@ enum Command {
     Verify(verify::Verify),
     /// Compare two saved maps, layer by layer; exit code 1 if they differ
     Compare(compare::Compare),
+    /// Score maps against the truth, side by side; exit code 1 if a --require does not hold
+    Score(score::Command),
     /// Say what mapping a log would take, without doing it
     Plan(plan::Plan),
     /// List the GPU adapters and what each method will use; how to install a software adapter
@@ -74,6 +77,7 @@ impl Arguments {
             Command::Map(c) => c.run(),
             Command::Verify(c) => c.run(),
             Command::Compare(c) => c.run(),
+            Command::Score(c) => c.run(),
             Command::Plan(c) => c.run(),
             Command::Doctor(c) => c.run(),
             Command::Demo(c) => c.run(),

@@ -1,8 +1,8 @@
 //! Bayesian occupancy grid (Elfes 1989; likelihoods of Murphy 2000, expressions 11.1 to 11.6); twin of
 //! `shaders/method/bayes.wgsl`.
 //!
-//! A cell keeps the log odds of occupied. Murphy's profile needs a logarithm a cell update, its main cost; the constant
-//! model, for lasers, needs none.
+//! A cell keeps the log odds of occupied. Murphy's profile needs a logarithm a cell update, its main cost. The constant model,
+//! for lasers, needs nothing but the two counts that every method keeps: exact, whatever the order.
 
 use super::settings::{Bayes, Likelihood, Settings};
 use super::{Entry, LayerSpec, Method, Pass, Step};
@@ -68,11 +68,6 @@ impl Kernel for Bayes {
     #[inline(always)]
     fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, _: &[u32; 4], odds: &mut [f32; TILE]) {
         if self.model == Likelihood::Constant {
-            let [hit, miss, ..] = frame.constants[1];
-            for k in 0..TILE {
-                let l = if row.arc[k] != 0 { hit } else { miss };
-                odds[k] += if row.interior[k] | row.arc[k] != 0 { l } else { 0.0 };
-            }
             return;
         }
         let (d, turn) = polar(frame, cone, row);
@@ -97,11 +92,7 @@ impl Method for Bayes {
     }
 
     fn constants(&self) -> [[f32; 4]; 2] {
-        let odds = |p: f64| (p / (1.0 - p)).ln();
-        [
-            [self.max_occ, self.region_one_floor, self.region_two_floor, 0.0].map(|v| v as f32),
-            [odds(self.p_hit), odds(self.p_miss), 0.0, 0.0].map(|v| v as f32),
-        ]
+        [[self.max_occ, self.region_one_floor, self.region_two_floor, 0.0].map(|v| v as f32), [0.0; 4]]
     }
 
     fn variant(&self) -> Option<(&'static str, bool)> {
@@ -117,9 +108,13 @@ impl Method for Bayes {
     }
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
-        let odds = f32::from_bits(words[2]);
-        let p = 1.0 / (1.0 + (-f64::from(odds)).exp());
-        layers.copy_from_slice(&[odds, p as f32, (1.0 / (1.0 + f64::from(odds).exp())) as f32]);
+        let logit = |p: f64| (p / (1.0 - p)).ln();
+        let odds = match self.model {
+            Likelihood::Murphy => f64::from(f32::from_bits(words[2])),
+            Likelihood::Constant => f64::from(words[1]) * logit(self.p_hit) + f64::from(words[0]) * logit(self.p_miss),
+        };
+        let p = 1.0 / (1.0 + (-odds).exp());
+        layers.copy_from_slice(&[odds, p, 1.0 / (1.0 + odds.exp())].map(|v| v as f32));
         if words[0] + words[1] == 0 {
             Class::Unknown
         } else if p > self.p_occupied {

@@ -80,7 +80,12 @@ impl Method for Truth {
     }
 
     fn combined(&self, layers: &[f32], class: Class) -> f32 {
-        if class == Class::Unknown { 0.0 } else { 2.0 * layers[0] / (layers[0] + layers[1]) - 1.0 }
+        let hits = layers[0] / (layers[0] + layers[1]);
+        match class {
+            Class::Unknown => 0.0,
+            Class::Occupied => 0.3 + 0.7 * hits,
+            Class::Empty => hits - 1.0,
+        }
     }
 
     fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {

@@ -45,8 +45,8 @@ pub(super) fn likelihood(settings: &Bayes, cone: &Cone, region: Region, polar: (
 fn logit(settings: &Bayes, p: Approx) -> Approx {
     let value = p.value.ln() - (1.0 - p.value).ln();
     if settings.model == Likelihood::Constant {
-        // a logarithm taken on the host, as f32
-        return Approx { value, bound: U * value.abs() };
+        // counted exactly, multiplied on the host in f64
+        return Approx { value, bound: 0.0 };
     }
     if p.value == 0.5 && p.bound == 0.0 {
         return Approx { value: 0.0, bound: 0.0 };
@@ -79,8 +79,9 @@ pub(super) fn map(grid: &GridSpec, cones: &[Cone], settings: &Bayes, tally: &mut
             }
             let sum = odds[cell.index] + add.value;
             let bound = error[cell.index] + add.bound;
-            // one rounding of a kernel's sum
-            error[cell.index] = bound + U * (sum.abs() + bound) + 1e-15 * (1.0 + sum.abs());
+            // one rounding of a kernel's sum, unless it counts; and of this one
+            let rounding = if settings.model == Likelihood::Constant { 0.0 } else { U };
+            error[cell.index] = bound + rounding * (sum.abs() + bound) + 1e-15 * (1.0 + sum.abs());
             odds[cell.index] = sum;
         }
     }

@@ -3,15 +3,19 @@
 
 use crate::batch::Batch;
 use crate::cone::axis_row;
-use crate::kernels::Chunks;
+use crate::kernels::{Chunks, fresh_chunk};
 use crate::layout::*;
+use crate::method::Method;
 use crate::method::himm::{HIT, MOST, ONE};
 
 /// Words of a tile: the two counts, and himm's.
 const WORDS: usize = 3 * TILE_CELLS;
 
 /// Applies a batch.
-pub fn apply(frame: Frame, batch: &Batch, chunks: &mut Chunks) {
+pub fn apply(method: &dyn Method, frame: Frame, batch: &Batch, chunks: &mut Chunks) {
+    for list in &batch.chunks {
+        chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| fresh_chunk(method));
+    }
     // Tile lists turned round: each reading's tiles.
     let mut reached: Vec<Vec<[u32; 2]>> = vec![Vec::new(); batch.cones.len()];
     for list in &batch.chunks {

@@ -54,13 +54,10 @@ impl Backend for Cpu {
         sweep: usize,
     ) -> Result<()> {
         let Cpu { pool, chunks } = self;
-        for list in &batch.chunks {
-            chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| fresh_chunk(method));
-        }
         if let Settings::Himm(himm) = method.settings()
             && himm.gro
         {
-            gro::apply(frame, batch, chunks);
+            gro::apply(method, frame, batch, chunks);
             return Ok(());
         }
         let parts = batch.first_part.last().copied().unwrap_or(0) as usize;
@@ -72,9 +69,9 @@ impl Backend for Cpu {
                     Step::Pass(pass, mode) => {
                         let frame = Frame { mode, ..frame };
                         for list in &batch.chunks {
-                            if let Some(state) = chunks.get_mut(&[list.place[1], list.place[0]]) {
-                                run(method, pass, &frame, batch, list, &parts, &share, state);
-                            }
+                            let state =
+                                chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| fresh_chunk(method));
+                            run(method, pass, &frame, batch, list, &parts, &share, state);
                         }
                     }
                     Step::Sum => share = sums(batch, &parts),

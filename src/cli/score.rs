@@ -1,0 +1,92 @@
+//! `echogrid score`.
+
+use super::say;
+use crate::score::{Check, Options, Requirement, Score, Truth, open_map, score, table, write_report};
+use crate::{Error, Result};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// The widest tolerance, cells.
+const WIDEST: u64 = 50;
+
+/// Arguments of `score`.
+#[derive(Debug, clap::Args)]
+pub struct Command {
+    /// Maps: folders that `echogrid map` wrote, or ROS maps by their .yaml file
+    #[arg(required = true, value_name = "MAP")]
+    maps: Vec<PathBuf>,
+    /// What is true: a world, or a map, such as the laser map of the same run (--method truth)
+    #[arg(short, long, value_name = "WORLD|MAP")]
+    truth: PathBuf,
+    /// Demand something of every map, such as "danger<=0.02", as often as needed; exit code 1 if it does not hold
+    #[arg(long, value_name = "EXPR")]
+    require: Vec<Requirement>,
+    /// Cells by which an occupied cell may lie beside a true one; 1: the eight neighbours
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..=WIDEST))]
+    tolerance: u64,
+    /// Decide cells by their probability, occupied above the first, empty below the second, not by the method's rule
+    #[arg(long, value_name = "HIGH,LOW", value_delimiter = ',', num_args = 1)]
+    decide: Option<Vec<f64>>,
+    /// Write error plots, histograms of error levels and an HTML report into this folder
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Print the scores as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Command {
+    /// Scores the maps; 1 if a requirement does not hold.
+    pub fn run(self) -> Result<u8> {
+        let options = Options { tolerance: self.tolerance as usize, decide: self.decide()? };
+        let truth = Truth::open(&self.truth)?;
+        let mut scores: Vec<Score> = Vec::new();
+        for path in &self.maps {
+            let name = path.display().to_string();
+            scores.push(score(&name, &open_map(path)?, &truth, &options).map_err(|e| about(&name, e))?);
+        }
+        let mut checks: Vec<Check> = Vec::new();
+        for requirement in &self.require {
+            for score in &scores {
+                checks.push(requirement.check(score)?);
+            }
+        }
+        let name = self.truth.display().to_string();
+        if self.json {
+            let all = json!({
+                "truth": {"path": name, "kind": truth.kind()},
+                "tolerance": options.tolerance,
+                "decide": options.decide,
+                "maps": scores,
+                "require": checks,
+            });
+            say!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
+        } else {
+            say!("{}", table(&scores));
+        }
+        if let Some(folder) = &self.output {
+            eprintln!("echogrid: see {}", write_report(folder, &name, &scores, &checks)?.display());
+        }
+        for Check { require, path, value, .. } in checks.iter().filter(|c| !c.held) {
+            let value = value.map_or("there is nothing to measure".into(), |v| format!("it is {v:.6}"));
+            eprintln!("echogrid: {path}: {require} does not hold: {value}");
+        }
+        Ok(u8::from(checks.iter().any(|c| !c.held)))
+    }
+
+    fn decide(&self) -> Result<Option<(f64, f64)>> {
+        match self.decide.as_deref() {
+            None => Ok(None),
+            Some(&[high, low]) if 0.0 <= low && low <= high && high <= 1.0 => Ok(Some((high, low))),
+            Some(_) => Err(Error::Usage("--decide takes HIGH,LOW, such as 0.6,0.4: 0 <= LOW <= HIGH <= 1".into())),
+        }
+    }
+}
+
+/// Names the map in an error about its cells.
+fn about(map: &str, error: Error) -> Error {
+    match error {
+        Error::Usage(what) => Error::Usage(format!("{map}: {what}")),
+        other => other,
+    }
+}

@@ -1,0 +1,172 @@
+//! The cells to compare, truth and map laid on one another. A margin of cells that are not compared runs around them, so
+//! that every compared cell has its neighbours.
+
+use super::levels::{NOT_COMPARED, class_of, level};
+use super::probability::probabilities;
+use super::{Options, TrueCells};
+use crate::grid::{GridSpec, Map};
+use crate::{Error, Result};
+use rayon::prelude::*;
+
+/// Truth and map on one grid, row by row from the bottom.
+#[derive(Debug, Clone)]
+pub struct Cells {
+    /// Where they are, margin included.
+    pub grid: GridSpec,
+    /// Cells of margin on each side.
+    pub margin: usize,
+    /// True classes: 1 occupied, 0 unknown, −1 empty.
+    pub actual: Vec<i8>,
+    /// The map's classes; unknown outside the map.
+    pub obtained: Vec<i8>,
+    /// The map's probability of occupied; 0.5 where nothing is known.
+    pub probability: Vec<f32>,
+    /// Error level of each cell, 0 to 9, or [`NOT_COMPARED`].
+    pub levels: Vec<u8>,
+    /// How many cells beside it an occupied cell may lie and still match.
+    pub tolerance: usize,
+}
+
+impl Cells {
+    /// Lays a map on its truth. Grids that don't fall on one another are an error.
+    pub fn of(map: &Map, truth: &TrueCells, options: &Options) -> Result<Cells> {
+        let across = apart(&truth.grid, &map.grid)?;
+        let (Some(class), Some(touched)) = (map.layer("class"), map.layer("touched")) else {
+            return Err(Error::Usage(format!("the {} map has no layers class and touched", map.method)));
+        };
+        let rectangle = if truth.all { truth.grid } else { shared(&truth.grid, &map.grid, across)? };
+        let margin = options.tolerance.max(1);
+        let grid = grown(&rectangle, margin);
+        let probability = probabilities(map);
+        let decided = |k: usize| match options.decide {
+            None => class_of(class.data.get(k)),
+            Some(_) if touched.data.get(k) == 0.0 => 0,
+            Some((high, low)) => {
+                let p = probability[k];
+                i8::from(p > high as f32) - i8::from(p < low as f32)
+            }
+        };
+        // Where the frame's cells lie in the truth's grid, and in the map's.
+        let in_truth = (grid.i0 - truth.grid.i0, grid.j0 - truth.grid.j0);
+        let in_map = (in_truth.0 - across.0, in_truth.1 - across.1);
+        let actual = take(&grid, &truth.grid, in_truth, 0, |k| truth.class[k].signum());
+        let obtained = take(&grid, &map.grid, in_map, 0, decided);
+        let seen = take(&grid, &map.grid, in_map, false, |k| touched.data.get(k) != 0.0);
+        let probability = take(&grid, &map.grid, in_map, 0.5, |k| probability[k]);
+        let tolerance = options.tolerance;
+        let mut cells = Cells { grid, margin, actual, obtained, probability, levels: Vec::new(), tolerance };
+        cells.levels = cells.find_levels(|k| truth.all || (seen[k] && cells.actual[k] != 0));
+        if cells.levels.iter().all(|l| *l == NOT_COMPARED) {
+            return Err(Error::Usage(
+                "the map and its truth have no cell in common that both have seen: are they of the same place?".into(),
+            ));
+        }
+        Ok(cells)
+    }
+
+    fn find_levels(&self, compared: impl Fn(usize) -> bool + Sync) -> Vec<u8> {
+        let (width, margin) = (self.grid.width, self.margin);
+        let rows = margin..self.grid.height - margin;
+        let mut levels = vec![NOT_COMPARED; self.grid.cells()];
+        levels.par_chunks_mut(width).enumerate().filter(|(row, _)| rows.contains(row)).for_each(|(row, levels)| {
+            for column in margin..width - margin {
+                let k = row * width + column;
+                if compared(k) {
+                    let near = |class: &[i8]| self.beside(class, k, 1);
+                    levels[column] = level(self.actual[k], self.obtained[k], near(&self.obtained), near(&self.actual));
+                }
+            }
+        });
+        levels
+    }
+
+    /// Whether a cell within `reach` of cell `k`, other than itself, is occupied. `k` is no cell of the margin.
+    fn beside(&self, class: &[i8], k: usize, reach: usize) -> bool {
+        let width = self.grid.width;
+        let first = k - reach * width - reach;
+        (0..=2 * reach).any(|row| {
+            let start = first + row * width;
+            (start..=start + 2 * reach).any(|m| m != k && class[m] > 0)
+        })
+    }
+
+    /// Whether cell `k` or one within the tolerance is truly occupied.
+    pub(super) fn truly_near(&self, k: usize) -> bool {
+        self.actual[k] > 0 || self.beside(&self.actual, k, self.tolerance)
+    }
+
+    /// Whether cell `k` or one within the tolerance is occupied in the map.
+    pub(super) fn found_near(&self, k: usize) -> bool {
+        self.obtained[k] > 0 || self.beside(&self.obtained, k, self.tolerance)
+    }
+}
+
+/// Values of a grid on the frame's cells; `first` is the frame's first cell in that grid.
+fn take<T: Copy + Send + Sync>(
+    frame: &GridSpec,
+    grid: &GridSpec,
+    first: (i64, i64),
+    outside: T,
+    value: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let mut taken = vec![outside; frame.cells()];
+    taken.par_chunks_mut(frame.width).enumerate().for_each(|(line, taken)| {
+        let row = first.1 + line as i64;
+        if !(0..grid.height as i64).contains(&row) {
+            return;
+        }
+        for (column, cell) in (first.0..).zip(taken) {
+            if (0..grid.width as i64).contains(&column) {
+                *cell = value(row as usize * grid.width + column as usize);
+            }
+        }
+    });
+    taken
+}
+
+/// How many cells the second grid starts after the first, or why their cells don't fall on one another.
+fn apart(truth: &GridSpec, map: &GridSpec) -> Result<(i64, i64)> {
+    if (truth.resolution / map.resolution - 1.0).abs() > 1e-9 {
+        return Err(Error::Usage(format!(
+            "the truth has cells of {} m, the map of {} m: make both with one --resolution",
+            truth.resolution, map.resolution
+        )));
+    }
+    let offset = |anchor: (f64, f64), first: (i64, i64)| {
+        let cells = (anchor.1 - anchor.0) / map.resolution;
+        let whole = cells.round();
+        ((cells - whole).abs() < 1e-4 && whole.abs() < 1e15).then_some(whole as i64 + first.1 - first.0)
+    };
+    let across = offset((truth.anchor.0, map.anchor.0), (truth.i0, map.i0));
+    let up = offset((truth.anchor.1, map.anchor.1), (truth.j0, map.j0));
+    across.zip(up).ok_or_else(|| {
+        Error::Usage(format!(
+            "the truth's cells start at ({}, {}) and the map's at ({}, {}), which is no whole number of cells of {} m \
+             apart: map both with the same --bounds, or both without",
+            truth.x0(),
+            truth.y0(),
+            map.x0(),
+            map.y0(),
+            map.resolution
+        ))
+    })
+}
+
+/// The rectangle that both grids have, on the truth's anchor.
+fn shared(truth: &GridSpec, map: &GridSpec, (across, up): (i64, i64)) -> Result<GridSpec> {
+    let span = |offset: i64, truth: usize, map: usize| {
+        let (low, high) = (offset.max(0), (truth as i64).min(offset + map as i64));
+        (high > low).then_some((low, (high - low) as usize))
+    };
+    match (span(across, truth.width, map.width), span(up, truth.height, map.height)) {
+        (Some((i, width)), Some((j, height))) => {
+            Ok(GridSpec { i0: truth.i0 + i, j0: truth.j0 + j, width, height, ..*truth })
+        }
+        _ => Err(Error::Usage("the map and its truth have no cell in common: are they of the same place?".into())),
+    }
+}
+
+fn grown(grid: &GridSpec, by: usize) -> GridSpec {
+    let (i0, j0) = (grid.i0 - by as i64, grid.j0 - by as i64);
+    GridSpec { i0, j0, width: grid.width + 2 * by, height: grid.height + 2 * by, ..*grid }
+}

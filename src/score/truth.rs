@@ -1,0 +1,114 @@
+//! What a map is scored against: another map, or a world whose true map is drawn on the scored map's own cells.
+
+use super::levels::class_of;
+use crate::grid::{GridSpec, Map};
+use crate::output::{read_map, read_ros};
+use crate::{Error, Result};
+use std::fmt;
+use std::path::Path;
+
+/// Draws a world's true classes on a grid.
+type Draw = Box<dyn Fn(&GridSpec) -> Result<Vec<i8>> + Send + Sync>;
+
+/// A truth, before it is laid on a grid.
+pub enum Truth {
+    /// A map: the cells compared are those that the scored map touched and this one knows.
+    Map(Map),
+    /// A world: all cells of its bounding box, wider by `r_max`, are compared.
+    World {
+        /// Its bounding box x0, y0, x1, y1, metres.
+        bounds: [f64; 4],
+        /// How far its sensors see, metres.
+        r_max: f64,
+        /// Draws its true classes on a grid.
+        draw: Draw,
+    },
+}
+
+impl fmt::Debug for Truth {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Truth::Map(map) => f.debug_tuple("Map").field(&map.method).finish(),
+            Truth::World { bounds, r_max, .. } => f.debug_tuple("World").field(bounds).field(r_max).finish(),
+        }
+    }
+}
+
+/// True classes on cells that fall on the scored map's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrueCells {
+    /// Where the cells are.
+    pub grid: GridSpec,
+    /// Class of each: 1 occupied, 0 unknown, −1 empty.
+    pub class: Vec<i8>,
+    /// Whether all of these cells are compared, or only those that both maps know something of.
+    pub all: bool,
+    /// The world's box and half a metre around it: x0, y0, x1, y1, metres.
+    pub near: Option<[f64; 4]>,
+}
+
+impl Truth {
+    /// Opens a truth: a map's folder, or a ROS map by its YAML file.
+    pub fn open(path: &Path) -> Result<Truth> {
+        Ok(Truth::Map(open_map(path)?))
+    }
+
+    /// What kind of truth it is, in a word.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Truth::Map(_) => "map",
+            Truth::World { .. } => "world",
+        }
+    }
+
+    /// The truth on cells that fall on those of `scored`.
+    pub fn on(&self, scored: &GridSpec) -> Result<TrueCells> {
+        match self {
+            Truth::Map(map) => {
+                let class = map.layer("class").ok_or_else(|| Error::Usage("the true map has no layer class".into()))?;
+                let class = (0..class.data.len()).map(|k| class_of(class.data.get(k))).collect();
+                Ok(TrueCells { grid: map.grid, class, all: false, near: None })
+            }
+            Truth::World { bounds, r_max, draw } => {
+                let grid = around(scored, wider(*bounds, *r_max))?;
+                let class = draw(&grid)?;
+                if class.len() != grid.cells() {
+                    return Err(Error::Usage(format!("{} true classes for {} cells", class.len(), grid.cells())));
+                }
+                Ok(TrueCells { grid, class, all: true, near: Some(wider(*bounds, 0.5)) })
+            }
+        }
+    }
+}
+
+/// Opens a map: a folder that echogrid wrote, or a ROS map by its YAML file.
+pub fn open_map(path: &Path) -> Result<Map> {
+    let kind = path.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
+    match kind.as_deref() {
+        _ if path.is_dir() => Ok(read_map(path)?.map),
+        Some("yaml" | "yml") => read_ros(path),
+        _ => Err(Error::input(path, "it is no map: give a folder that echogrid map wrote, or a ROS map's .yaml file")),
+    }
+}
+
+fn wider([x0, y0, x1, y1]: [f64; 4], by: f64) -> [f64; 4] {
+    [x0 - by, y0 - by, x1 + by, y1 + by]
+}
+
+/// The cells of a box on another grid's anchor, outward to whole cells.
+fn around(on: &GridSpec, [x0, y0, x1, y1]: [f64; 4]) -> Result<GridSpec> {
+    let (ax, ay) = on.anchor;
+    // A box that ends on a cell's edge ends there, whatever rounding says.
+    let cells = |low: f64, high: f64, anchor: f64| {
+        [((low - anchor) / on.resolution + 1e-6).floor(), ((high - anchor) / on.resolution - 1e-6).ceil()]
+    };
+    let ([i0, i1], [j0, j1]) = (cells(x0, x1, ax), cells(y0, y1, ay));
+    let most = f64::from(1 << 24);
+    if ![i0, i1, j0, j1].iter().all(|v| v.abs() <= most) {
+        return Err(Error::Usage(format!(
+            "the world's box {x0},{y0},{x1},{y1} is too far from the map's, or too large"
+        )));
+    }
+    let (width, height) = ((i1 - i0).max(1.0) as usize, (j1 - j0).max(1.0) as usize);
+    Ok(GridSpec { i0: i0 as i64, j0: j0 as i64, width, height, ..*on })
+}

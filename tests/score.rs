@@ -1,0 +1,14 @@
+//! Scores: hand-made cases for every number, and the command as a user runs it.
+
+#![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
+
+#[path = "score/command.rs"]
+mod command;
+#[path = "score/common.rs"]
+mod common;
+#[path = "score/levels.rs"]
+mod levels;
+#[path = "score/maps.rs"]
+mod maps;
+#[path = "score/numbers.rs"]
+mod numbers;
