@@ -9,6 +9,9 @@ use crate::workload::{Workload, standard};
 use crate::{Error, Result};
 use std::path::PathBuf;
 
+/// Characters of a workload's name in the table.
+const LONGEST: usize = 40;
+
 /// A backend to measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Measurable {
@@ -51,10 +54,16 @@ impl Bench {
         } else {
             self.methods.iter().map(|n| method::entry(n).map(|e| e.name)).collect::<Result<_>>()?
         };
+        if methods.contains(&"truth") {
+            let what = "truth needs the wedges of laser scans; bench measures the other methods";
+            return Err(Error::Usage(what.into()));
+        }
         let mut workloads = standard(self.readings as usize);
         if let Some(log) = &self.log {
             workloads.push(from_log(log)?);
         }
+        let widest = workloads.iter().map(|w| w.name.chars().count()).max().unwrap_or(0);
+        let width = 2 + widest.clamp(15, LONGEST);
         let mut all: Vec<Measured> = Vec::new();
         let mut adapters = Vec::new();
         for (kind, choice) in [(Measurable::Cpu, Choice::Cpu), (Measurable::Gpu, Choice::Gpu)] {
@@ -77,7 +86,7 @@ impl Bench {
                     if !self.json {
                         say!("{adapter}");
                         say!(
-                            "{:<17}{:<17}{:>12}{:>14}{:>10}{:>10}",
+                            "{:<17}{:<width$}{:>12}{:>14}{:>10}{:>10}",
                             "method",
                             "workload",
                             "M updates/s",
@@ -92,9 +101,9 @@ impl Bench {
                     let m = measure(workload, method.as_ref(), chosen.backend.as_mut(), self.runs as usize)?;
                     if !self.json {
                         say!(
-                            "{:<17}{:<17}{:>12.1}{:>14.1}{:>10.1}{:>10.1}",
+                            "{:<17}{:<width$}{:>12.1}{:>14.1}{:>10.1}{:>10.1}",
                             m.method,
-                            m.workload,
+                            short(&m.workload),
                             m.updates_per_second / 1e6,
                             m.readings_per_second / 1e3,
                             m.median * 1e3,
@@ -112,6 +121,15 @@ impl Bench {
         }
         Ok(0)
     }
+}
+
+/// A name that fits its column.
+fn short(name: &str) -> String {
+    if name.chars().count() <= LONGEST {
+        return name.into();
+    }
+    let end = name.char_indices().nth(LONGEST - 1).map_or(name.len(), |(at, _)| at);
+    format!("{}…", &name[..end])
 }
 
 /// A log's readings as a workload.
