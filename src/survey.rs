@@ -10,6 +10,9 @@ use std::path::Path;
 /// Bad lines that are quoted.
 const QUOTED: usize = 3;
 
+/// A step between two readings, metres, that no robot takes.
+const SUSPICIOUS: f64 = 100.0;
+
 /// What a first pass over a log found.
 #[derive(Debug, Clone)]
 pub struct Survey {
@@ -81,15 +84,15 @@ pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64) -> Res
 impl Survey {
     /// Adds to an error about the grid's size where it comes from, if a pose jumps.
     pub fn explain(&self, error: Error, path: &Path) -> Error {
-        let (step, line, pose) = self.jump;
-        if step < 100.0 {
-            return error;
+        match self.jump() {
+            Some((line, what)) => Error::at(path, line, format!("{what}; if that is wrong, give --bounds. {error}")),
+            None => error,
         }
-        let (x, y) = (pose.x, pose.y);
-        Error::at(
-            path,
-            line,
-            format!("the robot's pose jumps {step:.0} m, to ({x}, {y}); if that is wrong, give --bounds. {error}"),
-        )
+    }
+
+    /// The line of the robot's largest step and what happens there, if it is so long that a pose may be wrong.
+    pub fn jump(&self) -> Option<(u64, String)> {
+        let (step, line, Pose { x, y, .. }) = self.jump;
+        (step >= SUSPICIOUS).then(|| (line, format!("the robot's pose jumps {step:.0} m, to ({x}, {y})")))
     }
 }

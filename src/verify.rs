@@ -6,7 +6,9 @@
 use crate::Result;
 use crate::mapper::Finished;
 use crate::oracle::{OracleMap, cells_of};
+use crate::reading::Reading;
 use crate::session::Session;
+use crate::snap::Edges;
 use serde::Serialize;
 use std::fmt;
 
@@ -25,8 +27,23 @@ pub struct Cell {
     pub oracle: f64,
     /// The backend's.
     pub value: f64,
-    /// The last readings that reached it: line of the log, range in metres.
-    pub last_readings: Vec<(u64, f64)>,
+    /// How far they are apart.
+    pub difference: f64,
+    /// How far they may be.
+    pub bound: f64,
+    /// The last readings that reached it, the last first.
+    pub last_readings: Vec<LastReading>,
+}
+
+/// A reading that reached a cell.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LastReading {
+    /// Its line of the log; the beams of a laser scan share one.
+    pub line: u64,
+    /// Its sensor.
+    pub sensor: String,
+    /// Its range R, metres.
+    pub range: f64,
 }
 
 /// One layer of one backend against the oracle.
@@ -40,6 +57,8 @@ pub struct LayerCheck {
     pub bound: f64,
     /// Cells beyond their bound: must be 0.
     pub beyond: u64,
+    /// The cell of the largest difference; none where all are equal.
+    pub largest_cell: Option<Cell>,
     /// The cell that comes nearest to its bound, or is farthest beyond it; none where all are equal.
     pub worst: Option<Cell>,
 }
@@ -104,39 +123,48 @@ pub fn check(
     seconds: f64,
 ) -> Result<BackendCheck> {
     let visits = &finished.visits;
-    let cell = |k: usize, oracle: f64, value: f64| -> Result<Cell> {
+    let readings = session.all()?;
+    let cell = |k: usize, oracle: f64, value: f64, bound: f64| -> Result<Cell> {
         let (column, row) = (k % session.grid.width, k / session.grid.width);
         let (x, y) = session.grid.centre(column, row);
-        Ok(Cell { column, row, x, y, oracle, value, last_readings: last_readings(session, column, row)? })
+        let last_readings = last_readings(session, &readings, column, row)?;
+        Ok(Cell { column, row, x, y, oracle, value, difference: apart(oracle, value), bound, last_readings })
     };
     let differs = |k: &usize| visits.interior[*k] != oracle.interior[*k] || visits.arc[*k] != oracle.arc[*k];
     let members: Vec<usize> = (0..oracle.grid.cells()).filter(differs).collect();
     let total = |interior: u32, arc: u32| f64::from(interior) + f64::from(arc);
     let membership_cell = members
         .first()
-        .map(|&k| cell(k, total(oracle.interior[k], oracle.arc[k]), total(visits.interior[k], visits.arc[k])))
+        .map(|&k| cell(k, total(oracle.interior[k], oracle.arc[k]), total(visits.interior[k], visits.arc[k]), 0.0))
         .transpose()?;
     let mut layers = Vec::new();
     for reference in &oracle.layers {
         let data = finished.map.layer(reference.name).map(|l| &l.data);
-        let mut found = LayerCheck { layer: reference.name.into(), largest: 0.0, bound: 0.0, beyond: 0, worst: None };
-        let mut worst = (0.0, None);
+        let ours = |k: usize| data.map_or(f64::NAN, |d| d.get(k));
+        // The cell of the largest difference, and of the largest share of its bound: that, and which cell.
+        let (mut largest, mut nearest) = ((0.0, None), (0.0, None));
+        let mut beyond = 0;
         for (k, (&value, &bound)) in reference.values.iter().zip(&reference.bound).enumerate() {
-            let ours = data.map_or(f64::NAN, |d| d.get(k));
-            let difference = (ours - value).abs();
-            // Not a number is beyond every bound.
-            let within = difference <= bound;
-            found.beyond += u64::from(!within);
-            if !within || difference > found.largest {
-                (found.largest, found.bound) = (difference.max(found.largest), bound);
+            let difference = apart(value, ours(k));
+            beyond += u64::from(difference > bound);
+            if difference > largest.0 {
+                largest = (difference, Some(k));
             }
-            let ratio = if difference == 0.0 { 0.0 } else { difference / bound };
-            if ratio > worst.0 || (!within && worst.1.is_none()) {
-                worst = (ratio, Some((k, value, ours)));
+            let share = if difference == 0.0 { 0.0 } else { difference / bound };
+            if share > nearest.0 {
+                nearest = (share, Some(k));
             }
         }
-        found.worst = worst.1.map(|(k, value, ours)| cell(k, value, ours)).transpose()?;
-        layers.push(found);
+        let explain =
+            |k: Option<usize>| k.map(|k| cell(k, reference.values[k], ours(k), reference.bound[k])).transpose();
+        layers.push(LayerCheck {
+            layer: reference.name.into(),
+            largest: largest.0,
+            bound: largest.1.map_or(0.0, |k| reference.bound[k]),
+            beyond,
+            largest_cell: explain(largest.1)?,
+            worst: explain(nearest.1)?,
+        });
     }
     let (mut class, mut class_wrong) = (0, 0);
     let classes = finished.map.layer("class").map(|l| &l.data);
@@ -162,6 +190,12 @@ pub fn check(
     })
 }
 
+/// How far two values are apart; what is not a number is beyond every bound.
+fn apart(a: f64, b: f64) -> f64 {
+    let difference = (a - b).abs();
+    if difference.is_nan() { f64::INFINITY } else { difference }
+}
+
 /// Whether two maps hold the same bytes.
 pub fn same_bytes(a: &Finished, b: &Finished) -> bool {
     let same = |k: usize| {
@@ -171,10 +205,14 @@ pub fn same_bytes(a: &Finished, b: &Finished) -> bool {
     a.map.layers.len() == b.map.layers.len() && (0..a.map.layers.len()).all(same) && a.visits == b.visits
 }
 
-/// The last three readings that reached a cell: line of the log and range.
-fn last_readings(session: &Session, column: usize, row: usize) -> Result<Vec<(u64, f64)>> {
+/// The last three readings that reached a cell, the last first.
+fn last_readings(
+    session: &Session,
+    (readings, wedges): &(Vec<Reading>, Option<Vec<Edges>>),
+    column: usize,
+    row: usize,
+) -> Result<Vec<LastReading>> {
     const LAST: usize = 3;
-    let (readings, wedges) = session.all()?;
     let (x, y) = session.grid.centre(column, row);
     let mut last = Vec::new();
     for (k, reading) in readings.iter().enumerate().rev() {
@@ -187,7 +225,7 @@ fn last_readings(session: &Session, column: usize, row: usize) -> Result<Vec<(u6
         let wedge = wedges.as_ref().map(|w| w[k]);
         let cells = cells_of(&session.grid, sensor, reading, &session.method.settings(), wedge)?;
         if cells.iter().any(|c| (c.column, c.row) == (column, row)) {
-            last.push((reading.record.line, reading.range));
+            last.push(LastReading { line: reading.record.line, sensor: sensor.id.clone(), range: reading.range });
             if last.len() == LAST {
                 break;
             }
@@ -198,11 +236,16 @@ fn last_readings(session: &Session, column: usize, row: usize) -> Result<Vec<(u6
 
 impl fmt::Display for Cell {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Cell { column, row, x, y, oracle, value, .. } = self;
-        write!(f, "cell ({column}, {row}) at ({x:.3}, {y:.3}) m: oracle {oracle:.9}, here {value:.9}")?;
-        let lines: Vec<String> = self.last_readings.iter().map(|(line, z)| format!("{line} ({z:.2} m)")).collect();
-        if !lines.is_empty() {
-            write!(f, "; last readings on lines {}", lines.join(", "))?;
+        let Cell { column, row, x, y, oracle, value, difference, bound, .. } = self;
+        write!(f, "cell ({column}, {row}) at ({x:.3}, {y:.3}) m: oracle {oracle:.9}, here {value:.9}, ")?;
+        write!(f, "difference {difference:.3e}, bound {bound:.3e}")?;
+        let last: Vec<String> = self
+            .last_readings
+            .iter()
+            .map(|r| format!("line {} sensor {} ({:.2} m)", r.line, r.sensor, r.range))
+            .collect();
+        if !last.is_empty() {
+            write!(f, "; last readings: {}", last.join(", "))?;
         }
         Ok(())
     }
@@ -231,8 +274,15 @@ impl fmt::Display for Verification {
                     "  {:<10} largest difference {:.3e}, bound there {:.3e}{beyond}",
                     l.layer, l.largest, l.bound
                 )?;
-                if let Some(cell) = &l.worst {
-                    writeln!(f, "    nearest to its bound: {cell}")?;
+                match (&l.largest_cell, &l.worst) {
+                    (Some(a), Some(b)) if a == b => writeln!(f, "    largest, nearest to its bound: {a}")?,
+                    (a, b) => {
+                        for (what, cell) in [("largest", a), ("nearest to its bound", b)] {
+                            if let Some(cell) = cell {
+                                writeln!(f, "    {what}: {cell}")?;
+                            }
+                        }
+                    }
                 }
             }
             let boundary = if b.class > 0 {

@@ -132,6 +132,7 @@ fn bad_json_lines() {
         (r#"{"scan":0,"sensor":-1,"px":0,"py":0,"ph":0,"z":1}"#, "a sensor's id or its index"),
         (r#"{"scan":0,"sensor":0,"px":"inf","py":0,"ph":0,"z":1}"#, "the robot's x is inf"),
         (r#"{"scan":0,"sensor":0,"px":0,"py":2e6,"ph":0,"z":1}"#, "y is 2000000 m, farther than 1e6 m"),
+        (r#"{"scan":0,"sensor":0,"px":0,"py":0,"ph":-2e4,"z":1}"#, "heading is -20000 rad, more than 1e4 rad"),
         (r#"{"scan":0,"sensor":0,"px":0,"py":0,"ph":"NaN","z":1}"#, "the robot's heading is NaN"),
         (r#"{"scan":0,"sensor":0,"px":0,"py":0,"ph":0,"x":1,"z":1}"#, "x, y and h go together"),
         (r#"{"scan":0,"sensor":0,"px":0,"py":0,"ph":0,"z":"far"}"#, "expected a number, \"NaN\""),

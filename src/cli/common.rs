@@ -4,14 +4,15 @@ use super::note;
 use crate::grid::GridSpec;
 use crate::kernels::Choice;
 use crate::log;
-use crate::method::settings::Settings;
+use crate::method::settings::{Likelihood, MassModel, Settings};
 use crate::method::{self, REGISTRY};
 use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, Sensor, length};
 use crate::session::{Mapped, Request, Session};
 use crate::{Error, Result};
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Kind of sensor to take from the log.
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -80,7 +81,7 @@ pub struct LogArguments {
     #[arg(long, value_name = "N", default_value_t = crate::mapper::BATCH, hide_short_help = true)]
     pub batch: usize,
     /// Threads of the CPU's kernels; 0: one a core; the result does not depend on it
-    #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads, hide_short_help = true)]
     pub threads: usize,
 }
 
@@ -98,6 +99,11 @@ fn number(text: &str) -> std::result::Result<f64, String> {
 /// A count on the command line that can't be 0.
 pub fn from_one(text: &str) -> std::result::Result<u64, String> {
     text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "give a whole number from 1".into())
+}
+
+/// Threads on the command line: more than a machine has only cost.
+pub fn threads(text: &str) -> std::result::Result<usize, String> {
+    text.parse().ok().filter(|n| *n <= 1024).ok_or_else(|| "give 0 (one a core) to 1024".into())
 }
 
 /// Every method.
@@ -135,6 +141,21 @@ fn unknown_key(method: &str, settings: &Settings, key: &str) -> String {
     format!("{method} has no parameter \"{key}\"{hint}")
 }
 
+/// Of the parameters that are set, those that change nothing, each with what makes it so.
+fn idle(settings: &Settings, set: &[String]) -> Vec<(&'static str, &'static str)> {
+    let (keys, why): (&[&'static str], &'static str) = match settings {
+        Settings::Bayes(b) if b.model == Likelihood::Murphy => (&["p_hit", "p_miss"], "model=murphy"),
+        Settings::Bayes(_) => (&["max_occ", "region_one_floor", "region_two_floor"], "model=constant"),
+        Settings::DempsterShafer(d) if d.model == MassModel::Murphy => (&["rho"], "model=murphy"),
+        Settings::DempsterShafer(_) => (&["max_occ"], "model=pagac"),
+        Settings::Himm(_) => (&["beta"], "method himm: it takes the cells on the axis"),
+        Settings::Truth => (&["epsilon"], "method truth: a hit is ¾ cell deep"),
+        Settings::Certainty(_) => (&[], ""),
+    };
+    let given = |key: &str| set.iter().any(|text| text.split_once('=').is_some_and(|(k, _)| k == key));
+    keys.iter().filter(|key| given(key)).map(|key| (*key, why)).collect()
+}
+
 impl LogArguments {
     /// What they ask for.
     pub fn request(&self) -> Result<Request> {
@@ -166,6 +187,9 @@ impl LogArguments {
             KindArgument::Sonar => Kind::Sonar,
             KindArgument::Laser => Kind::Laser,
         });
+        for (key, why) in idle(&settings, &self.set) {
+            note!("--set {key} has no effect with {why}");
+        }
         Ok(Request {
             log: log::Options { kind, sensor_file: self.sensor_file.clone(), overrides, spool: None },
             settings,
@@ -180,6 +204,11 @@ impl LogArguments {
     pub fn session(&self) -> Result<Session> {
         Session::open(&self.log, &self.request()?)
     }
+}
+
+/// A count of something; its plural is made with an s.
+pub fn count(n: u64, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// The sensors' parameters and the method's, as the report lists them: one value where all sensors agree, else all of them.
@@ -202,25 +231,36 @@ pub fn parameters(session: &Session) -> Vec<(String, String)> {
         let one = values.iter().all(|v| *v == first.to_string());
         all.push((name.into(), if one { first.to_string() } else { values.join(" ") }));
     }
-    let places: Vec<String> = sensors.iter().map(|s| format!("{},{}", s.x, s.y)).collect();
-    let centred = sensors.iter().all(|s| s.x == 0.0 && s.y == 0.0);
-    all.push(("mounts".into(), if centred { "none".into() } else { places.join(" ") }));
+    all.push(("mounts".into(), session.log.mounts().into()));
     all.extend(session.method.settings().values().into_iter().map(|(k, v)| (k.to_string(), v)));
     all
 }
 
-/// A progress bar over readings, on a terminal only.
-pub fn progress(session: &Session, quiet: bool) -> ProgressBar {
+/// A progress bar over readings, as often as they are swept over, on a terminal only; it goes away at the end.
+pub fn progress(session: &Session, what: &'static str, sweeps: usize, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
-    let readings = session.survey.counts.used * session.method.sweeps().len() as u64;
-    let bar = ProgressBar::new(readings);
+    let bar = ProgressBar::new(session.survey.counts.used * sweeps as u64).with_finish(ProgressFinish::AndClear);
     if let Ok(style) = ProgressStyle::with_template("{msg:10} {wide_bar} {human_pos}/{human_len} readings, {eta} left")
     {
         bar.set_style(style);
     }
-    bar.set_message(method::name(session.method.as_ref()));
+    bar.set_message(what);
+    bar
+}
+
+/// A sign of life where nothing counts how far a run is, on a terminal only; it goes away at the end.
+pub fn spinner(what: &'static str, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner().with_finish(ProgressFinish::AndClear);
+    if let Ok(style) = ProgressStyle::with_template("{msg:10} {spinner} {elapsed}") {
+        bar.set_style(style);
+    }
+    bar.set_message(what);
+    bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
 
@@ -256,6 +296,14 @@ pub fn warn_of_bad_lines(session: &Session) {
     };
     let quoted: String = bad.first.iter().map(|line| format!("  {line}\n")).collect();
     note!("{path}: {what}:\n{quoted}  (mend them, or give --strict to write nothing then; the exit code is 6)");
+}
+
+/// Warns of a pose that jumps, where the grid follows it.
+pub fn warn_of_jump(arguments: &LogArguments, session: &Session) {
+    if let (None, Some((line, what))) = (&arguments.bounds, session.survey.jump()) {
+        let path = session.log.path().display();
+        note!("{path}:{line}: {what}, and the grid follows it; if that is wrong, mend the line or give --bounds");
+    }
 }
 
 /// Warns where bounds were given that no reading reaches.

@@ -20,8 +20,17 @@ impl Doctor {
     pub fn run(self) -> Result<u8> {
         let adapters = adapter::list();
         let cpu = Cpu::new(0)?.adapter();
+        let hardware = adapters.iter().find(|a| !a.software);
+        let auto = hardware.map_or("cpu", |a| a.name.as_str());
+        let methods = REGISTRY.iter().filter_map(|entry| {
+            let method = method::make(Settings::of(entry.name)?);
+            Some((entry.name, method::tile_words(method.as_ref()) * 4 / layout::TILE_CELLS))
+        });
         if self.json {
-            let list = serde_json::json!({"version": env!("CARGO_PKG_VERSION"), "adapters": adapters, "cpu": cpu, "memory_available": available()});
+            let methods: Vec<_> = methods
+                .map(|(method, bytes)| serde_json::json!({"method": method, "bytes_a_cell": bytes, "auto": auto}))
+                .collect();
+            let list = serde_json::json!({"version": env!("CARGO_PKG_VERSION"), "adapters": adapters, "cpu": cpu, "memory_available": available(), "methods": methods});
             say!("{}", serde_json::to_string_pretty(&list).unwrap_or_default());
             return Ok(0);
         }
@@ -40,7 +49,6 @@ impl Doctor {
                 a.workgroup_memory
             );
         }
-        let hardware = adapters.iter().find(|a| !a.software);
         if adapters.is_empty() {
             say!("adapter   none: {REMEDY}");
         } else if hardware.is_none() {
@@ -51,12 +59,8 @@ impl Doctor {
         }
         say!("");
         say!("method            bytes a cell  --backend auto");
-        for entry in REGISTRY {
-            let Some(settings) = Settings::of(entry.name) else { continue };
-            let method = method::make(settings);
-            let bytes = method::tile_words(method.as_ref()) * 4 / layout::TILE_CELLS;
-            let auto = hardware.map_or("cpu", |a| a.name.as_str());
-            say!("{:<18}{bytes:<14}{auto}", entry.name);
+        for (name, bytes) in methods {
+            say!("{name:<18}{bytes:<14}{auto}");
         }
         say!("himm with gro=true runs on the cpu only");
         Ok(0)

@@ -1,14 +1,15 @@
 //! `echogrid map`.
 
 use super::common::{
-    BackendArgument, LogArguments, done, from_one, parameters, progress, readings, warn_of_bad_lines, warn_of_empty_map,
+    BackendArgument, LogArguments, done, from_one, parameters, progress, readings, spinner, warn_of_bad_lines,
+    warn_of_empty_map, warn_of_jump,
 };
 use super::say;
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
 use crate::output::{self, Folder, LogInfo, Report, RunInfo};
 use crate::session::{Mapped, Session};
-use crate::{Error, Result, memory};
+use crate::{Error, Result, memory, method};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -51,18 +52,22 @@ impl Map {
         warn_of_bad_lines(&session);
         session.check_memory(session.memory(self.log.batch), self.memory)?;
         self.check_working(&session)?;
+        warn_of_jump(&self.log, &session);
 
         let started = Instant::now();
-        let bar = progress(&session, self.quiet || self.json);
+        let (name, hidden) = (method::name(session.method.as_ref()), self.quiet || self.json);
         let (mapped, ran) = match self.backend.choice() {
-            None => (session.oracle_map()?, Ran { backend: "oracle", ..Ran::default() }),
+            None => {
+                let _sign = spinner(name, hidden);
+                (session.oracle_map()?, Ran { backend: "oracle", ..Ran::default() })
+            }
             Some(choice) => {
+                let bar = progress(&session, name, session.method.sweeps().len(), hidden);
                 let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
                 let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|n| bar.inc(n))?;
                 (mapped, Ran::of(&chosen))
             }
         };
-        bar.finish_and_clear();
         let seconds = vec![("survey".to_string(), surveyed), ("map".to_string(), started.elapsed().as_secs_f64())];
         let report = save(&folder, &session, &mapped, &ran, seconds, self.npy)?;
         if let Some(n) = self.working {
@@ -128,6 +133,7 @@ pub fn save(
     let info = RunInfo {
         parameters: output::parameters(parameters(session)),
         log: LogInfo { path: session.log.path().display().to_string(), sha256: session.log.sha256()? },
+        sensors: session.sensors().to_vec(),
         readings: mapped.counts,
         seconds,
         backend: ran.backend.into(),

@@ -1,11 +1,12 @@
 //! `echogrid plan`.
 
-use super::common::{LogArguments, done, parameters, warn_of_bad_lines};
+use super::common::{LogArguments, count, done, parameters, progress, warn_of_bad_lines, warn_of_jump};
 use super::say;
 use crate::Result;
 use crate::kernels::dry::Dry;
 use crate::memory::{self, show};
 use crate::method::{self, Step};
+use crate::output::tidy;
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
@@ -22,13 +23,17 @@ impl Plan {
     pub fn run(self) -> Result<u8> {
         let session = self.log.session()?;
         warn_of_bad_lines(&session);
+        warn_of_jump(&self.log, &session);
         let mut dry = Dry::default();
         let method = session.method.as_ref();
         let mut mapper = crate::mapper::Mapper::new(session.grid, session.sensors(), method, &mut dry, self.log.batch);
-        mapper.sweep(0, session.items()?)?;
+        let bar = progress(&session, "plan", 1, self.json);
+        mapper.sweep(0, session.items()?.inspect(|_| bar.inc(1)))?;
+        drop(bar);
         let work = mapper.work;
         let (grid, counts) = (&session.grid, &session.survey.counts);
         let need = session.memory(self.log.batch);
+        let fit = session.check_memory(need, None);
         let steps: Vec<Vec<String>> =
             method.sweeps().iter().map(|sweep| sweep.iter().map(|s| step_name(s).to_string()).collect()).collect();
         let busiest = dry.chunks.iter().max_by_key(|(_, load)| load.entries);
@@ -41,25 +46,26 @@ impl Plan {
                 "readings": counts,
                 "scans": session.survey.scans,
                 "bad_lines": session.survey.bad_lines.count,
-                "cells": {"x0": grid.x0(), "y0": grid.y0(), "resolution": grid.resolution, "width": grid.width, "height": grid.height},
+                "cells": {"x0": tidy(grid.x0()), "y0": tidy(grid.y0()), "resolution": grid.resolution, "width": grid.width, "height": grid.height},
                 "chunks": chunks,
                 "batches": work.batches,
                 "entries": work.entries,
                 "sweeps": steps,
                 "memory": need,
+                "fits": fit.is_ok(),
                 "available": memory::available(),
             });
             say!("{}", serde_json::to_string_pretty(&plan).unwrap_or_default());
             return Ok(done(&session));
         }
-        say!("log       {}, {} sensors", session.log.header().format, session.sensors().len());
+        say!("log       {}, {}", session.log.header().format, count(session.sensors().len() as u64, "sensor"));
         say!(
-            "readings  {} used of {} in {} scans, {} bad lines, {} other lines",
+            "readings  {} used of {} in {}, {}, {}",
             counts.used,
             counts.read,
-            session.survey.scans,
-            session.survey.bad_lines.count,
-            session.survey.ignored
+            count(session.survey.scans, "scan"),
+            count(session.survey.bad_lines.count, "bad line"),
+            count(session.survey.ignored, "other line")
         );
         say!(
             "grid      {} × {} cells of {} m from ({:.2}, {:.2}) to ({:.2}, {:.2}) m",
@@ -90,7 +96,10 @@ impl Plan {
             say!("sweep {}   {}", k + 1, sweep.join(", then "));
         }
         let free = memory::available().map(|f| format!(", of {} free", show(f))).unwrap_or_default();
-        say!("memory    {} at most{free}", show(need));
+        say!("memory    about {}{free}", show(need));
+        if let Err(e) = fit {
+            say!("does not fit: {e}");
+        }
         for (key, value) in parameters(&session) {
             say!("  {key} = {value}");
         }

@@ -1,6 +1,6 @@
 //! `echogrid verify`.
 
-use super::common::{LogArguments, done, warn_of_bad_lines};
+use super::common::{LogArguments, done, progress, spinner, warn_of_bad_lines, warn_of_jump};
 use super::{note, say};
 use crate::compare::{Options, compare, write_pictures};
 use crate::kernels::{Choice, Chosen, choose, gpu_required};
@@ -9,7 +9,7 @@ use crate::mapper::Finished;
 use crate::oracle::OracleMap;
 use crate::session::Session;
 use crate::verify::{Verification, check, same_bytes};
-use crate::{Error, Result, method};
+use crate::{Error, Result, memory, method};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -35,9 +35,15 @@ pub struct Verify {
     /// If a backend is not equal, write its pictures, the oracle's and their difference here
     #[arg(long, value_name = "FOLDER")]
     pictures: Option<PathBuf>,
+    /// Memory that may be used, such as 4GiB [default: what the machine has free]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    memory: Option<u64>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 impl Verify {
@@ -48,10 +54,14 @@ impl Verify {
         // The oracle keeps values and bounds in f64, and two maps are held beside it.
         let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
         let readings = session.survey.counts.used * 200;
-        session.check_memory(2 * session.memory(self.log.batch) + oracle_cells + readings, None)?;
+        session.check_memory(2 * session.memory(self.log.batch) + oracle_cells + readings, self.memory)?;
+        warn_of_jump(&self.log, &session);
         let (backends, skipped) = self.open(&session)?;
         let started = Instant::now();
+        let hidden = self.quiet || self.json;
+        let sign = spinner("oracle", hidden);
         let oracle = session.oracle()?;
+        drop(sign);
         let mut result = Verification {
             method: method::name(session.method.as_ref()).into(),
             readings: session.survey.counts.used,
@@ -66,7 +76,9 @@ impl Verify {
         let mut maps: Vec<Finished> = Vec::new();
         for mut chosen in backends {
             let started = Instant::now();
-            let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|_| {})?;
+            let bar = progress(&session, chosen.backend.name(), session.method.sweeps().len(), hidden);
+            let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|n| bar.inc(n))?;
+            drop(bar);
             let seconds = started.elapsed().as_secs_f64();
             let counts = &mapped.counts;
             let wrong =
@@ -75,7 +87,9 @@ impl Verify {
                     .map(|(a, b)| a.abs_diff(*b))
                     .sum();
             let backend = (chosen.backend.name(), chosen.backend.adapter());
+            let sign = spinner("compare", hidden);
             result.backends.push(check(&session, &oracle, &mapped.finished, backend, wrong, seconds)?);
+            drop(sign);
             self.draw(&session, &oracle, &result, &mapped.finished)?;
             maps.push(mapped.finished);
         }
@@ -85,11 +99,18 @@ impl Verify {
         }
         if self.json {
             say!("{}", serde_json::to_string_pretty(&result).unwrap_or_default());
+        } else if !self.quiet {
+            say!("{result}");
+        }
+        if hidden {
             for why in &result.skipped {
                 note!("SKIPPED {why}");
             }
-        } else {
-            say!("{result}");
+        }
+        if self.quiet {
+            for b in result.backends.iter().filter(|b| !b.passed) {
+                note!("{} and the oracle are NOT EQUAL", b.backend);
+            }
         }
         Ok(if result.passed { done(&session) } else { 1 })
     }

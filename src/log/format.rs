@@ -53,6 +53,10 @@ pub(crate) trait Source: Send + Sync {
     }
     /// Whether the beams of a laser scan are laid out by its sensor (else each record carries its own heading).
     fn has_beams(&self) -> bool;
+    /// Whether a preset of the program, not the log, describes its sensors.
+    fn has_preset(&self) -> bool {
+        false
+    }
     /// Names of the class labels 1, 2, …
     fn classes(&self) -> &[String] {
         &[]
@@ -111,12 +115,17 @@ impl Mounted {
 
 /// Poses further out are taken for damage: float noise would drown a cell there.
 const FARTHEST: f64 = 1e6;
+/// Headings beyond this are no headings: a robot that turned 1600 times, or a number in another column.
+const LARGEST_ANGLE: f64 = 1e4;
 
 /// Refuses a pose that is not finite or absurdly far out; the text names the value.
 pub(crate) fn check_pose(what: &str, pose: &Pose) -> std::result::Result<(), String> {
     for (name, value) in [("x", pose.x), ("y", pose.y), ("heading", pose.heading)] {
         if !value.is_finite() {
             return Err(format!("{what} {name} is {value}"));
+        }
+        if name == "heading" && value.abs() > LARGEST_ANGLE {
+            return Err(format!("{what} heading is {value} rad, more than 1e4 rad either way"));
         }
         if name != "heading" && value.abs() > FARTHEST {
             return Err(format!("{what} {name} is {value} m, farther than 1e6 m from the origin"));

@@ -138,6 +138,18 @@ impl Log {
         &self.header
     }
 
+    /// Where its sensors sit, as the report says it: `none` at the robot's centre (`--set mounts=none`), `preset` where the
+    /// format's preset puts them, `own` where the log or a sensor file does.
+    pub fn mounts(&self) -> &'static str {
+        if self.sensors.iter().all(|m| m.centred) {
+            "none"
+        } else if self.source.has_preset() && !self.sensors.iter().any(|m| m.placed) {
+            "preset"
+        } else {
+            "own"
+        }
+    }
+
     /// A pass over its records, from the start; as many as are wanted, also at the same time.
     ///
     /// # Errors

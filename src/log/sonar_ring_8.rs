@@ -92,6 +92,10 @@ impl Source for Folder {
         self.laser
     }
 
+    fn has_preset(&self) -> bool {
+        true
+    }
+
     fn inputs(&self) -> Vec<&Input> {
         vec![&self.readings, &self.poses]
     }

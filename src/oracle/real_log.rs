@@ -19,7 +19,9 @@ fn test1() -> Option<(Sensor, Vec<Reading>)> {
         Some(text.lines().map(row).filter(|r: &Vec<f64>| !r.is_empty()).collect())
     };
     let (Some(poses), Some(ranges)) = (table("od.txt"), table("sonar.txt")) else {
-        eprintln!("SKIPPED: {} is not there; set ECHOGRID_DATA to the folder of the logs", folder.display());
+        // Straight to the stream: the harness would swallow a print of a test that passes.
+        let text = format!("SKIPPED: {} is not there; set ECHOGRID_DATA to the folder of the logs\n", folder.display());
+        let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
         return None;
     };
     let axes = [-90.0, -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90.0f64];

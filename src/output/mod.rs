@@ -11,7 +11,7 @@ mod zarr;
 
 pub use folder::Folder;
 pub use png::write_picture;
-pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, parameters, peak_memory};
+pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
 pub use ros::read_ros;
 pub use working::write_working;
 pub use zarr::{StoredMap, read_map};

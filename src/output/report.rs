@@ -5,6 +5,7 @@ use super::unwritable;
 use crate::Result;
 use crate::grid::{GridSpec, Layer, Map, Scale};
 use crate::reading::Counts;
+use crate::sensor::{Kind, Sensor};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -16,6 +17,8 @@ pub struct RunInfo {
     pub parameters: serde_json::Map<String, Value>,
     /// The log.
     pub log: LogInfo,
+    /// The log's sensors.
+    pub sensors: Vec<Sensor>,
     /// What became of its readings.
     pub readings: Counts,
     /// Wall time of each stage so far, in order; writing adds its own.
@@ -46,6 +49,33 @@ pub struct BadLines {
     pub count: u64,
     /// What is wrong with the first three.
     pub first: Vec<String>,
+}
+
+/// A sensor, complete; lengths in metres and angles in radians, to 1e-9.
+#[derive(Debug, Clone, Serialize)]
+pub struct SensorReport {
+    /// Its name in the log.
+    pub id: String,
+    /// Sonar or laser.
+    pub kind: Kind,
+    /// Its place in the robot's frame, forward.
+    pub x: f64,
+    /// Its place in the robot's frame, to the left.
+    pub y: f64,
+    /// Its bearing in the robot's frame.
+    pub axis: f64,
+    /// Half the beam's width.
+    pub half_width: f64,
+    /// Ranges below this are rejected.
+    pub r_min: f64,
+    /// Ranges above this are no echo.
+    pub r_max: f64,
+    /// Echoes from beyond this are rejected.
+    pub hit_range: f64,
+    /// How far a missing echo frees the cone.
+    pub no_echo_range: f64,
+    /// Half the depth of the arc.
+    pub epsilon: f64,
 }
 
 /// Where a map's cells are, and how many are what.
@@ -93,6 +123,8 @@ pub struct Report {
     pub parameters: serde_json::Map<String, Value>,
     /// The log.
     pub log: LogInfo,
+    /// Its sensors.
+    pub sensors: Vec<SensorReport>,
     /// What became of its readings.
     pub readings: Counts,
     /// Lines that couldn't be read.
@@ -127,6 +159,7 @@ impl Report {
             method: map.method.clone(),
             parameters: info.parameters.clone(),
             log: info.log.clone(),
+            sensors: info.sensors.iter().map(|s| SensorReport::of(s, map.grid.resolution)).collect(),
             readings: info.readings,
             bad_lines: info.bad_lines.clone(),
             cells: Cells::of(map),
@@ -142,6 +175,30 @@ impl Report {
     }
 }
 
+impl SensorReport {
+    fn of(sensor: &Sensor, resolution: f64) -> SensorReport {
+        SensorReport {
+            id: sensor.id.clone(),
+            kind: sensor.kind,
+            x: tidy(sensor.x),
+            y: tidy(sensor.y),
+            axis: tidy(sensor.axis),
+            half_width: tidy(sensor.half_width),
+            r_min: tidy(sensor.r_min),
+            r_max: tidy(sensor.r_max),
+            hit_range: tidy(sensor.hit_range),
+            no_echo_range: tidy(sensor.no_echo_range),
+            epsilon: tidy(sensor.epsilon(resolution)),
+        }
+    }
+}
+
+/// A length or an angle to 1e-9, so that no -2.8000000000000003 is shown; never −0.
+pub fn tidy(value: f64) -> f64 {
+    let rounded = (value * 1e9).round() / 1e9;
+    if rounded.is_finite() { rounded + 0.0 } else { value }
+}
+
 impl Cells {
     fn of(map: &Map) -> Cells {
         let GridSpec { resolution, width, height, .. } = map.grid;
@@ -149,8 +206,8 @@ impl Cells {
             map.layer(layer).map_or(0, |l| (0..l.data.len()).filter(|&k| l.data.get(k) == value).count() as u64)
         };
         Cells {
-            x0: map.grid.x0(),
-            y0: map.grid.y0(),
+            x0: tidy(map.grid.x0()),
+            y0: tidy(map.grid.y0()),
             resolution,
             width,
             height,

@@ -4,6 +4,7 @@
 //! unknown. 205 gives 0.19608, just above 0.196: unknown. Row 0 of the picture is the top; the origin is the lower left
 //! corner of the lower left pixel.
 
+use super::report::tidy;
 use super::unwritable;
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
 use crate::{Error, Result};
@@ -44,8 +45,8 @@ fn yaml(grid: &GridSpec) -> String {
         "image: map.pgm\nmode: trinary\nresolution: {:?}\norigin: [{:?}, {:?}, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n\
          free_thresh: 0.196\n",
         grid.resolution,
-        grid.x0(),
-        grid.y0()
+        tidy(grid.x0()),
+        tidy(grid.y0())
     )
 }
 

@@ -7,7 +7,7 @@ mod canvas;
 mod outline;
 mod picture;
 
-use super::report::parameters;
+use super::report::{parameters, tidy};
 use super::unwritable;
 use crate::grid::{GridSpec, Map};
 use crate::method::settings::{Order, Settings};
@@ -35,8 +35,11 @@ struct Head<'a> {
     arc_cells: usize,
     /// n: the arc cells, of a missing echo those that it would have.
     n: usize,
+    /// What `own` is.
+    own_is: &'static str,
     /// Σ of the cancelled evidence over the arc (certainty).
-    sum: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sum: Option<f64>,
     picture: &'a Layout,
 }
 
@@ -78,8 +81,11 @@ struct CellInfo {
     d: f64,
     theta: f64,
     own: f64,
-    cancelled: f64,
-    normalised: f64,
+    /// Certainty alone has these steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cancelled: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normalised: Option<f64>,
 }
 
 /// Writes `working-N.png` and `working-N.json` of used reading `number` (from 1) into a folder that exists, and returns
@@ -124,6 +130,7 @@ pub fn write_working(
     picture::draw(grid, &outline, &working, &layout, &weigh, map)
         .save(&paths[0])
         .map_err(|e| unwritable(&paths[0], e))?;
+    let steps = matches!(settings, Settings::Certainty(_));
     let is_arc = |c: &&WorkingCell| c.update.region == Region::Arc;
     let arc_cells = working.cells.iter().filter(is_arc).count();
     let head = Head {
@@ -131,8 +138,8 @@ pub fn write_working(
         method: method::name(method.as_ref()),
         parameters: parameters(settings.values()),
         grid: GridInfo {
-            x0: grid.x0(),
-            y0: grid.y0(),
+            x0: tidy(grid.x0()),
+            y0: tidy(grid.y0()),
             resolution: grid.resolution,
             width: grid.width,
             height: grid.height,
@@ -141,10 +148,11 @@ pub fn write_working(
         interior_cells: working.cells.len() - arc_cells,
         arc_cells,
         n: working.arc_cells,
-        sum: working.sum,
+        own_is: own_is(settings),
+        sum: steps.then_some(working.sum),
         picture: &layout,
     };
-    let save = || -> std::io::Result<()> { std::fs::write(&paths[1], text(grid, &head, &working)?) };
+    let save = || -> std::io::Result<()> { std::fs::write(&paths[1], text(grid, &head, &working, steps)?) };
     save().map_err(|e| unwritable(&paths[1], e))?;
     Ok(paths)
 }
@@ -194,8 +202,19 @@ fn about<'a>(number: usize, reading: &Reading, sensor: &'a Sensor) -> ReadingInf
     }
 }
 
-/// The JSON: the head over many lines, then a line a cell.
-fn text(grid: &GridSpec, head: &Head, working: &Working) -> std::io::Result<Vec<u8>> {
+/// What a reading's own evidence is, by method.
+fn own_is(settings: &Settings) -> &'static str {
+    match settings {
+        Settings::Certainty(_) => "certainty: Emp_k in the interior, Occ_k on the arc",
+        Settings::DempsterShafer(_) => "mass: of empty in the interior, of full on the arc",
+        Settings::Bayes(_) => "P(s|occupied)",
+        Settings::Himm(_) => "step of the count: -1 before the hit, +3 at it",
+        Settings::Truth => "count: 1 pass in the interior, 1 hit on the arc",
+    }
+}
+
+/// The JSON: the head over many lines, then a line a cell; `steps`: with the evidence cancelled and normalised.
+fn text(grid: &GridSpec, head: &Head, working: &Working, steps: bool) -> std::io::Result<Vec<u8>> {
     let mut text = serde_json::to_vec_pretty(head)?;
     text.truncate(text.len() - "\n}".len());
     text.extend(b",\n  \"cells\": [");
@@ -210,8 +229,8 @@ fn text(grid: &GridSpec, head: &Head, working: &Working) -> std::io::Result<Vec<
             d: update.d,
             theta: update.theta,
             own: *own,
-            cancelled: *cancelled,
-            normalised: *normalised,
+            cancelled: steps.then_some(*cancelled),
+            normalised: steps.then_some(*normalised),
         };
         text.extend(if k == 0 { "\n    " } else { ",\n    " }.as_bytes());
         serde_json::to_writer(&mut text, &cell)?;

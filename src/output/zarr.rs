@@ -137,7 +137,7 @@ where
     builder.attributes_mut().extend([
         ("long_name".into(), json!(layer.about)),
         ("scale".into(), json!(scale)),
-        ("valid_range".into(), json!(ends)),
+        ("colour_range".into(), json!(ends)),
     ]);
     let array = finish(&mut builder, store, &layer.name)?;
     let (down, across) = (grid.height.div_ceil(SHARD), grid.width.div_ceil(SHARD));
@@ -227,7 +227,7 @@ fn read_layer(store: &Arc<FilesystemStore>, grid: &GridSpec, name: &str) -> Trie
         (_, &[a, ..]) => f64::from(a),
         _ => 0.0,
     };
-    let ends = array.attributes().get("valid_range").and_then(Value::as_array);
+    let ends = array.attributes().get("colour_range").and_then(Value::as_array);
     let end = |k: usize, default: f64| ends.and_then(|e| e.get(k)).and_then(Value::as_f64).unwrap_or(default);
     let scale = match array.attributes().get("scale").and_then(Value::as_str) {
         Some("signed") => Scale::Signed { limit: end(1, 1.0) },

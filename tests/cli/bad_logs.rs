@@ -224,6 +224,27 @@ fn a_pose_that_jumps_is_named_where_it_makes_the_grid_too_large() {
 }
 
 #[test]
+fn a_pose_that_jumps_is_told_where_the_grid_still_fits() {
+    let place = Place::new();
+    let far = "{\"scan\":1,\"px\":0,\"py\":150,\"ph\":0,\"z\":1}\n";
+    place.write("jump.jsonl", format!("{HEADER}{}{far}{}", line("0", "1"), line("0", "1")));
+    let warning = "echogrid: jump.jsonl:3: the robot's pose jumps 150 m, to (0, 150), and the grid follows it; if that is \
+                   wrong, mend the line or give --bounds\n";
+    let coarse = ["--resolution", "0.5"];
+    for command in [
+        &["map", "jump.jsonl", "-o", "out", "--backend", "cpu", "--quiet"][..],
+        &["plan", "jump.jsonl"],
+        &["verify", "jump.jsonl", "--backends", "cpu"],
+    ] {
+        assert_eq!(place.does(&[command, &coarse].concat()).err, warning, "{command:?}");
+        assert_eq!(place.does(&[command, &coarse, &["--bounds", "-1,-1,3,1"]].concat()).err, "", "{command:?}");
+    }
+    let near = "{\"scan\":1,\"px\":0,\"py\":99,\"ph\":0,\"z\":1}\n";
+    place.write("near.jsonl", format!("{HEADER}{}{near}", line("0", "1")));
+    assert_eq!(place.does(&["plan", "near.jsonl", "--resolution", "0.5"]).err, "");
+}
+
+#[test]
 fn sensors_that_do_not_fit() {
     let place = Place::new();
     let no_laser = "echogrid: log.jsonl:1: the log has no laser sensor, only sonars: leave out --sensor laser (method truth needs \

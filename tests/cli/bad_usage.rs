@@ -70,6 +70,30 @@ fn parameters() {
 }
 
 #[test]
+fn parameters_without_effect_are_told() {
+    let place = Place::new();
+    let plan = |more: &[&str]| place.does(&[&["plan", "log.jsonl"], more].concat()).err;
+    for (method, set, idle) in [
+        (
+            "bayes",
+            &["p_hit=0.7", "p_miss=0.4"][..],
+            &["p_hit has no effect with model=murphy", "p_miss has no effect with model=murphy"][..],
+        ),
+        ("bayes", &["model=constant", "max_occ=0.9", "p_hit=0.7"], &["max_occ has no effect with model=constant"]),
+        ("bayes", &["region_one_floor=0", "beta=10deg"], &[]),
+        ("dempster-shafer", &["model=murphy", "rho=0.5"], &["rho has no effect with model=murphy"]),
+        ("dempster-shafer", &["max_occ=0.5", "rho=0.5"], &["max_occ has no effect with model=pagac"]),
+        ("himm", &["beta=10deg"], &["beta has no effect with method himm: it takes the cells on the axis"]),
+        ("certainty", &["beta=10deg", "epsilon=0.1"], &[]),
+    ] {
+        let mut arguments = vec!["-m", method];
+        set.iter().for_each(|s| arguments.extend(["--set", s]));
+        let wanted: String = idle.iter().map(|text| format!("echogrid: --set {text}\n")).collect();
+        assert_eq!(plan(&arguments), wanted, "{arguments:?}");
+    }
+}
+
+#[test]
 fn cells_and_bounds() {
     let advice = "m is not a cell size: give 0.0001 to 10000 metres, such as 0.05";
     for (given, shown) in [("0", "0"), ("-1", "-1"), ("nan", "NaN"), ("inf", "inf"), ("1e-9", "0.000000001")] {
@@ -98,6 +122,10 @@ fn cells_and_bounds() {
 #[test]
 fn counts_and_sizes() {
     mistyped(&["--until", "0"], "invalid value '0' for '--until <N>': give a whole number from 1");
+    for given in ["1025", "100000", "-1", "many"] {
+        let message = format!("invalid value '{given}' for '--threads <N>': give 0 (one a core) to 1024");
+        mistyped(&[&format!("--threads={given}")], &message);
+    }
     mistyped(&["--working", "-3"], "invalid value '-3' for '--working <N>': give a whole number from 1");
     mistyped(
         &["--memory", "lots"],

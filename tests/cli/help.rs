@@ -13,7 +13,8 @@ fn options() -> Vec<(&'static str, Vec<&'static str>)> {
     let log = |more: &[&'static str]| [&LOG[..], &["--threads"], more].concat();
     vec![
         ("map", log(&["--output", "--backend", "--memory", "--working", "--npy", "--json", "--quiet"])),
-        ("verify", log(&["--backends", "--pictures", "--json"])),
+        ("verify", log(&["--backends", "--pictures", "--memory", "--json", "--quiet"])),
+        ("score", vec!["--truth", "--require", "--tolerance", "--decide", "--output", "--json"]),
         ("plan", log(&["--json"])),
         ("compare", vec!["--tol", "--common", "--pictures", "--json"]),
         ("doctor", vec!["--json"]),

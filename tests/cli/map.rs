@@ -25,6 +25,7 @@ fn the_report_holds_all_that_the_documentation_lists() {
         "peak_memory",
         "readings",
         "seconds",
+        "sensors",
         "updates",
         "version",
     ];
@@ -40,6 +41,12 @@ fn the_report_holds_all_that_the_documentation_lists() {
             "rejected": {"below_r_min": 1, "not_a_number": 1, "negative": 1, "beyond_hit_range": 1}})
     );
     assert_eq!(report["bad_lines"], json!({"count": 0, "first": []}));
+    assert_eq!(report["parameters"]["mounts"], "own");
+    assert_eq!(
+        report["sensors"],
+        json!([{"id": "front", "kind": "sonar", "x": 0.0, "y": 0.0, "axis": 0.0, "half_width": 0.261799388, "r_min": 0.2,
+            "r_max": 4.0, "hit_range": 3.0, "no_echo_range": 1.0, "epsilon": 0.05}])
+    );
     // Every used sensor ± (R + 5 cm): x from 0 − 1.55 to 0.5 + 2.05, y ± 2.05.
     let cells = &report["cells"];
     assert_eq!(keys(cells), ["empty", "height", "occupied", "resolution", "touched", "unknown", "width", "x0", "y0"]);
@@ -139,6 +146,15 @@ fn the_folder() {
     let working: Value = serde_json::from_slice(&std::fs::read(place.path("out/working-2.json")).unwrap()).unwrap();
     assert_eq!((&working["reading"]["line"], &working["reading"]["range"]), (&json!(3), &json!(2.0)));
     assert_eq!(working["method"], "bayes");
+    assert_eq!(working["own_is"], "P(s|occupied)");
+    assert_eq!((working.get("sum"), working["cells"][0].get("cancelled")), (None, None));
+    assert!(working["cells"][0]["own"].is_number() && working["cells"][0].get("normalised").is_none());
+    place.map("certainty", &["--method", "certainty", "--working", "2"]);
+    let path = place.path("certainty/working-2.json");
+    let working: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+    assert!(working["own_is"].as_str().unwrap().contains("Occ_k"), "{working}");
+    let cell = &working["cells"][0];
+    assert!(working["sum"].is_number() && cell["cancelled"].is_number() && cell["normalised"].is_number(), "{cell}");
     let picture = std::fs::read(place.path("out/working-2.png")).unwrap();
     assert!(picture.starts_with(b"\x89PNG"));
 }
@@ -227,6 +243,8 @@ fn a_real_log_gives_the_known_counts() {
         let readings = &report["readings"];
         assert_eq!((&readings["used"], &readings["no_echo"]), (&json!(3304), &json!(1091)), "{backend}");
         assert_eq!(report["parameters"]["mounts"], "none");
+        let places: Vec<_> = report["sensors"].as_array().unwrap().iter().map(|s| (&s["x"], &s["y"])).collect();
+        assert_eq!(places, [(&json!(0.0), &json!(0.0)); 8]);
         let sum = |layer: &str| report["layers"][layer]["sum"].as_f64().unwrap();
         assert!((sum("emp") - 17345.975).abs() < 0.01 && (sum("occ") - 956.243).abs() < 0.01, "{}", report["layers"]);
         report
@@ -235,6 +253,33 @@ fn a_real_log_gives_the_known_counts() {
     // A cell where Occ and Emp are all but equal may be either in f32, so the classes are the oracle's.
     let cells = &map("oracle")["cells"];
     assert_eq!((&cells["occupied"], &cells["empty"]), (&json!(566), &json!(20_727)));
+}
+
+#[test]
+fn numbers_in_a_report_are_round_and_mounts_can_be_set_again() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("ring")).unwrap();
+    place.write("ring/sonar.txt", "1 5110 5110 2320 2360 5110 5110 2160 1190\n");
+    place.write("ring/od.txt", "1 0 0 0\n");
+    for (more, mounts, y) in [
+        (&[][..], "preset", -0.18),
+        (&["--set", "mounts=preset"], "preset", -0.18),
+        (&["--set", "mounts=none"], "none", 0.0),
+    ] {
+        let report = place.does(&[&["map", "ring", "-o", "out", "--backend", "cpu", "--json"], more].concat()).json();
+        assert_eq!(report["parameters"]["mounts"], mounts);
+        let right = &report["sensors"][0];
+        assert_eq!(right["axis"].to_string(), "-1.570796327");
+        assert_eq!((&right["x"], &right["y"]), (&json!(0.0), &json!(y)));
+    }
+    place.write("ring.toml", "[all]\nx = 0.1\n".to_string() + &"[[sensor]]\n".repeat(8));
+    let own = ["map", "ring", "-o", "out", "--backend", "cpu", "--json", "--sensor-file", "ring.toml"];
+    assert_eq!(place.does(&own).json()["parameters"]["mounts"], "own");
+    // -56 cells of 0.05 m are -2.8000000000000003 in binary.
+    let out = place.map("out", &["--bounds=-2.8,-2.8,1,1", "--json"]).json();
+    assert_eq!((&out["cells"]["x0"], &out["cells"]["y0"]), (&json!(-2.8), &json!(-2.8)));
+    let yaml = std::fs::read_to_string(place.path("out/map.yaml")).unwrap();
+    assert!(yaml.contains("origin: [-2.8, -2.8, 0.0]"), "{yaml}");
 }
 
 #[test]

@@ -50,6 +50,22 @@ fn verify_passes_for_every_method() {
                     "updates"
                 ]
             );
+            for layer in b["layers"].as_array().unwrap() {
+                let wanted = ["beyond", "bound", "largest", "largest_cell", "layer", "worst"];
+                assert_eq!(keys(layer), wanted);
+                let cell = &layer["largest_cell"];
+                if cell.is_null() {
+                    assert_eq!(layer["largest"], 0.0, "{layer}");
+                    continue;
+                }
+                assert_eq!((&cell["difference"], &cell["bound"]), (&layer["largest"], &layer["bound"]));
+                let share =
+                    |cell: &serde_json::Value| cell["difference"].as_f64().unwrap() / cell["bound"].as_f64().unwrap();
+                assert!(share(&layer["worst"]) >= share(cell) && share(&layer["worst"]) <= 1.0, "{layer}");
+                let last = &cell["last_readings"][0];
+                assert_eq!(keys(last), ["line", "range", "sensor"]);
+                assert_eq!(last["sensor"], if kind == "sonar" { "ring" } else { "top" });
+            }
             assert_eq!((&b["membership"], &b["class_wrong"], &b["counts"]), (&json!(0), &json!(0), &json!(0)));
             assert_eq!(b["updates"], found["updates"]);
         }
@@ -76,6 +92,27 @@ fn verify_as_a_table() {
 }
 
 #[test]
+fn verify_quietly_and_within_memory() {
+    let place = Place::new();
+    let ran = place.does(&["verify", "log.jsonl", "--backends", "cpu", "--quiet"]);
+    assert_eq!((ran.out.as_str(), ran.err.as_str()), ("", ""));
+    let ran = place.does(&["verify", "log.jsonl", "--backends", "cpu", "--quiet", "--json"]);
+    assert_eq!(ran.json()["passed"], true);
+    let ran = place.run(&["verify", "log.jsonl", "--backends", "cpu", "--memory", "1MB"]);
+    assert_eq!(ran.code, 5);
+    assert!(ran.err.contains(", but --memory allows 977 KiB: "), "{}", ran.err);
+    // Each cell is told with how far it is off and may be, and which readings made it.
+    let ran = place.does(&["verify", "log.jsonl", "--backends", "cpu"]);
+    let cells: Vec<&str> = ran.out.lines().filter(|l| l.contains(": cell (")).collect();
+    assert!(!cells.is_empty());
+    for line in cells {
+        assert!(line.trim_start().starts_with("largest") || line.trim_start().starts_with("nearest"), "{line}");
+        assert!(line.contains(", difference ") && line.contains(", bound "), "{line}");
+        assert!(line.contains("; last readings: line ") && line.contains(" sensor front ("), "{line}");
+    }
+}
+
+#[test]
 fn plan_says_what_it_would_take_and_does_nothing() {
     let place = Place::new();
     let before = place.names("");
@@ -83,7 +120,7 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     let heads: Vec<&str> = ran.out.lines().map(|l| l.split("  ").next().unwrap()).take(7).collect();
     assert_eq!(heads, ["log", "readings", "grid", "chunks", "", "sweep 1", "memory"]);
     for line in [
-        "log       echogrid-jsonl, 1 sensors",
+        "log       echogrid-jsonl, 1 sensor",
         "readings  4 used of 8 in 4 scans, 0 bad lines, 0 other lines",
         "grid      82 × 82 cells of 0.05 m from (-1.55, -2.05) to (2.55, 2.05) m",
         "  r_max = 4",
@@ -100,6 +137,18 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     assert_eq!((&plan["parameters"]["r_max"], &plan["parameters"]["max_occ"]), (&json!("4"), &json!("0.98")));
     assert_eq!((&plan["chunks"][0]["row"], &plan["chunks"][0]["column"]), (&json!(0), &json!(0)));
     assert_eq!(plan["chunks"][0]["entries"], plan["entries"]);
+    assert_eq!(plan["fits"], true);
+    assert!(ran.out.lines().any(|l| l.starts_with("memory    about ")), "{}", ran.out);
+    assert!(!ran.out.contains("does not fit"), "{}", ran.out);
+    // What is too large for the machine is said, and is no error here.
+    #[cfg(target_os = "linux")]
+    {
+        let large = ["plan", "log.jsonl", "--bounds", "0,0,300000,300000"];
+        let ran = place.does(&large);
+        let why = ran.out.lines().find(|l| l.starts_with("does not fit: a map of 6000000 × 6000000 cells")).unwrap();
+        assert!(why.contains(" TiB, but this machine has "), "{why}");
+        assert_eq!(place.does(&[&large[..], &["--json"]].concat()).json()["fits"], false);
+    }
     // The plan's figure is the one that --memory is held against.
     let need = plan["memory"].as_u64().unwrap();
     let map = |memory: u64| place.run(&["map", "log.jsonl", "-o", "out", "--memory", &memory.to_string()]).code;
@@ -118,7 +167,19 @@ fn doctor() {
         assert!(lines.iter().any(|l| l.starts_with(&format!("{} ", entry.name))), "{}: {}", entry.name, ran.out);
     }
     let found = place.does(&["doctor", "--json"]).json();
-    assert_eq!(keys(&found), ["adapters", "cpu", "memory_available", "version"]);
+    assert_eq!(keys(&found), ["adapters", "cpu", "memory_available", "methods", "version"]);
+    let methods = found["methods"].as_array().unwrap();
+    assert_eq!(
+        methods.iter().map(|m| m["method"].as_str().unwrap()).collect::<Vec<_>>(),
+        REGISTRY.iter().map(|e| e.name).collect::<Vec<_>>()
+    );
+    for method in methods {
+        assert_eq!(keys(method), ["auto", "bytes_a_cell", "method"]);
+        assert!(
+            method["bytes_a_cell"].as_u64().unwrap() >= 4 && !method["auto"].as_str().unwrap().is_empty(),
+            "{method}"
+        );
+    }
     for adapter in found["adapters"].as_array().unwrap() {
         assert!(!adapter["name"].as_str().unwrap().is_empty() && adapter["binding"].as_u64().unwrap() >= 1 << 27);
     }
@@ -153,6 +214,25 @@ fn bench_gives_figures_for_every_method() {
     // Four workloads and the log, twice.
     assert_eq!(lines.len(), 2 + 2 * 5, "{}", ran.out);
     assert!(lines[6].starts_with("himm             log.jsonl, 5 cm"), "{}", lines[6]);
+}
+
+#[test]
+fn bench_refuses_truth_and_keeps_its_columns() {
+    let place = Place::new();
+    let message = "echogrid: truth needs the wedges of laser scans; bench measures the other methods";
+    place.refuses(&["bench", "-m", "himm,truth"], 2, message);
+    let small = ["-m", "himm", "--backends", "cpu", "--readings", "20", "--runs", "1"];
+    for (name, shown) in [
+        ("a_log_of_some_length.jsonl", "a_log_of_some_length.jsonl, 5 cm".to_string()),
+        (&format!("{}.jsonl", "é".repeat(60)), format!("{}…", "é".repeat(39))),
+    ] {
+        place.write(name, crate::common::SMALL);
+        let ran = place.does(&[&["bench", name], &small[..]].concat());
+        let lines: Vec<&str> = ran.out.lines().skip(1).collect();
+        assert!(lines[5].starts_with(&format!("himm             {shown}  ")), "{}", ran.out);
+        let widths: Vec<usize> = lines.iter().map(|l| l.chars().count()).collect();
+        assert_eq!(widths, [widths[0]; 6], "{}", ran.out);
+    }
 }
 
 #[test]

@@ -38,6 +38,7 @@ pub fn info() -> RunInfo {
     RunInfo {
         parameters: parameters([("model", "murphy".to_string()), ("max_occ", "0.98".to_string())]),
         log: LogInfo { path: "logs/a.csv".into(), sha256: "ab".repeat(32) },
+        sensors: Vec::new(),
         readings: Counts { read: 9, used: 7, ..Counts::default() },
         seconds: vec![("read".into(), 0.25), ("map".into(), 1.5)],
         backend: "cpu".into(),

@@ -47,6 +47,7 @@ assert x.dtype == np.float64 and x[0] == -1.75 and y[0] == 1.25
 assert np.array_equal(np.diff(x), np.full(width - 1, 0.5)), "x ascends by one cell"
 assert np.array_equal(np.diff(y), np.full(height - 1, 0.5)), "y ascends by one cell"
 assert data["x"].attrs["units"] == "m"
+assert array.attrs["colour_range"] == [-3.0, 3.0] and "valid_range" not in array.attrs
 
 # (-0.75, 4.25) is the centre of column 2, row 6.
 near = {"x": -0.8, "y": 4.3, "method": "nearest"}
