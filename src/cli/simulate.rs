@@ -60,10 +60,16 @@ impl Simulate {
                 Error::Resources(format!("{} can't be written: {e}; give another path with -o", self.output.display()))
             })?)
         };
-        let bar = if self.quiet { ProgressBar::hidden() } else { ProgressBar::new(self.scans.unwrap_or(world.stops.len() as u64)) };
+        let bar = if self.quiet {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(self.scans.unwrap_or(world.stops.len() as u64))
+        };
         let started = Instant::now();
         let (done, _) = pool.install(|| {
-            simulate(&world, &rig, self.seed, self.scans, BufWriter::with_capacity(1 << 20, out), &|n| bar.set_position(n))
+            simulate(&world, &rig, self.seed, self.scans, BufWriter::with_capacity(1 << 20, out), &|n| {
+                bar.set_position(n)
+            })
         })?;
         bar.finish_and_clear();
         let seconds = started.elapsed().as_secs_f64();

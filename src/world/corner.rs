@@ -19,7 +19,12 @@ pub(crate) fn corners(index: &Index) -> Vec<Corner> {
         let others: Vec<usize> = {
             let middle = times((wall.a.0 + wall.b.0, wall.a.1 + wall.b.1), 0.5);
             let reach = distance(wall.a, wall.b) / 2.0 + SAME;
-            index.near(middle, reach).into_iter().map(|k| k as usize).filter(|&k| k != i && k < index.walls.len()).collect()
+            index
+                .near(middle, reach)
+                .into_iter()
+                .map(|k| k as usize)
+                .filter(|&k| k != i && k < index.walls.len())
+                .collect()
         };
         for &k in others.iter().filter(|&&k| k > i) {
             if let Some(at) = touch(wall, &index.walls[k]) {
@@ -79,7 +84,9 @@ fn touch(one: &Wall, two: &Wall) -> Option<Point> {
 
 /// The concave corners at `at`: an arm of each wall, with the free side of both between them.
 fn wedges(at: Point, one: &Wall, two: &Wall, found: &mut Vec<Corner>) {
-    let arms = |w: &Wall| [w.a, w.b].into_iter().filter(|e| distance(*e, at) > 2.0 * SAME).map(|e| unit(sub(e, at))).collect::<Vec<_>>();
+    let arms = |w: &Wall| {
+        [w.a, w.b].into_iter().filter(|e| distance(*e, at) > 2.0 * SAME).map(|e| unit(sub(e, at))).collect::<Vec<_>>()
+    };
     for u in arms(one) {
         for v in arms(two) {
             let turn = cross(u, v);

@@ -199,7 +199,9 @@ impl Scene {
                 continue;
             }
             let at = target.corner.at;
-            let Some((way, events, seen_from)) = self.through(ping.at, at, target.image, target.mirror) else { continue };
+            let Some((way, events, seen_from)) = self.through(ping.at, at, target.image, target.mirror) else {
+                continue;
+            };
             if target.corner.faces(seen_from) {
                 echoes.push(Echo { d, amplitude, way, events, round: false, class: target.corner.class });
             }

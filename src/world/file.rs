@@ -76,10 +76,16 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<World> {
         way = way.or(Some(Way::along(built.path, line)));
     }
     if b.walls.is_empty() && b.arcs.is_empty() {
-        return Err(crate::Error::input(path, "the world is empty: add an [[outline]], a [[wall]], a [[box]] or a [[circle]]"));
+        return Err(crate::Error::input(
+            path,
+            "the world is empty: add an [[outline]], a [[wall]], a [[box]] or a [[circle]]",
+        ));
     }
     let way = way.ok_or_else(|| {
-        crate::Error::input(path, "the world has no [path]: add one, with points = [[x, y], …] and step, or poses = [[x, y, heading], …]")
+        crate::Error::input(
+            path,
+            "the world has no [path]: add one, with points = [[x, y], …] and step, or poses = [[x, y, heading], …]",
+        )
     })?;
     let rig_part = parts(&top, "rig", "[rig]")?;
     let sensors = parts(&top, "sensor", "[[sensor]]")?;
@@ -172,7 +178,10 @@ impl Builder<'_> {
                 let next = |k: usize| corners[(k + 1) % corners.len()];
                 let met = super::plane::meet(corners[i], next(i), corners[k], next(k));
                 if met.is_some_and(|(t, u)| (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)) {
-                    let what = format!("the outline crosses itself (with the side before line {}): reorder its points", lines[k]);
+                    let what = format!(
+                        "the outline crosses itself (with the side before line {}): reorder its points",
+                        lines[k]
+                    );
                     return Err(self.text.fail(&points[i + 1].1, what));
                 }
             }
@@ -233,7 +242,9 @@ impl Builder<'_> {
             (None, None) => (0.0, TAU),
             (Some(from), Some(to)) if from != to => (from, (to - from).rem_euclid(TAU)),
             (Some(_), Some(_)) => {
-                return Err(self.text.fail(&part.place("to"), "an arc of zero length: leave out from and to for a whole circle"));
+                return Err(self
+                    .text
+                    .fail(&part.place("to"), "an arc of zero length: leave out from and to for a whole circle"));
             }
             _ => return Err(self.text.fail(&part.at, "an arc needs both from and to, counter-clockwise")),
         };

@@ -19,7 +19,8 @@ pub(crate) fn followers(walls: &[Wall], bounces: u8) -> Vec<Vec<u32>> {
         };
         beyond(two.a) || beyond(two.b)
     };
-    let after = |one: &Wall| (0..).zip(walls).filter(|(_, two)| sees(one, two) && sees(two, one)).map(|(k, _)| k).collect();
+    let after =
+        |one: &Wall| (0..).zip(walls).filter(|(_, two)| sees(one, two) && sees(two, one)).map(|(k, _)| k).collect();
     if bounces < 2 { vec![Vec::new(); walls.len()] } else { walls.iter().map(after).collect() }
 }
 

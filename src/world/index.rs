@@ -180,7 +180,8 @@ impl Index {
             let (mut t0, mut t1) = if a.is_nan() { (0.0, 1.0) } else { (a.min(b).max(0.0), a.max(b).min(1.0)) };
             if row == r0 || row == r1 {
                 // beyond the world's edge rows are clamped
-                (t0, t1) = if r0 == r1 { (0.0, 1.0) } else { (t0.min(end(row == r0, p, q)), t1.max(end(row == r0, p, q))) };
+                (t0, t1) =
+                    if r0 == r1 { (0.0, 1.0) } else { (t0.min(end(row == r0, p, q)), t1.max(end(row == r0, p, q))) };
             }
             let x = |t: f64| p.0 + (q.0 - p.0) * t;
             let (x0, x1) = (x(t0).min(x(t1)) - 1e-9, x(t0).max(x(t1)) + 1e-9);

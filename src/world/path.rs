@@ -30,7 +30,9 @@ pub(crate) fn read(part: &Part<'_>) -> Result<Way> {
     match (part.rows("points", 2)?, part.rows("poses", 3)?) {
         (Some(points), None) => {
             if points.len() < 2 {
-                return Err(part.text.fail(&part.place("points"), "a path needs two points or more; use poses for one scan"));
+                return Err(part
+                    .text
+                    .fail(&part.place("points"), "a path needs two points or more; use poses for one scan"));
             }
             let step = part.need("step", part.positive("step")?, "0.3")?;
             let speed = part.positive("speed")?.unwrap_or(0.5);
@@ -38,7 +40,9 @@ pub(crate) fn read(part: &Part<'_>) -> Result<Way> {
             let way = Way { stops: Vec::new(), points, lines: Vec::new() };
             let total: f64 = way.points.windows(2).map(|p| distance(p[0].0, p[1].0)).sum();
             if total / step > MOST {
-                return Err(part.text.fail(&part.place("step"), format!("step {step} m makes more than 1e8 scans: give a longer one")));
+                return Err(part
+                    .text
+                    .fail(&part.place("step"), format!("step {step} m makes more than 1e8 scans: give a longer one")));
             }
             Ok(way.stepped(step, speed))
         }
@@ -54,7 +58,9 @@ pub(crate) fn read(part: &Part<'_>) -> Result<Way> {
             };
             Ok(Way { stops: poses.iter().enumerate().map(pose).collect(), points: Vec::new(), lines })
         }
-        (None, None) => Err(part.text.fail(&part.at, "[path] is empty: give points = [[x, y], …] and step, or poses = [[x, y, heading], …]")),
+        (None, None) => Err(part
+            .text
+            .fail(&part.at, "[path] is empty: give points = [[x, y], …] and step, or poses = [[x, y, heading], …]")),
         _ => Err(part.text.fail(&part.at, "give points or poses, not both")),
     }
 }
@@ -104,7 +110,11 @@ pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Res
             let (x, y) = along(a, b, met.distance / run);
             let what = format!(
                 "the path from [{}, {}] to [{}, {}] runs through the wall of line {} at [{x:.2}, {y:.2}]: add a way point round it",
-                a.0, a.1, b.0, b.1, line_of(met.item)
+                a.0,
+                a.1,
+                b.0,
+                b.1,
+                line_of(met.item)
             );
             return Err(Error::at(path, line, what));
         }
@@ -113,7 +123,8 @@ pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Res
     let poses = way.stops.iter().map(|(_, p)| (p.x, p.y)).zip(way.lines.iter().copied());
     for ((x, y), line) in places.chain(poses) {
         for direction in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
-            if let Some(met) = index.ray((x, y), direction, 1e4_f64.min(reach(index)), false).filter(|m| m.from_behind) {
+            if let Some(met) = index.ray((x, y), direction, 1e4_f64.min(reach(index)), false).filter(|m| m.from_behind)
+            {
                 let what = format!(
                     "the path's [{x}, {y}] lies on the solid side of the wall of line {}: move the point, or correct that shape's free side",
                     line_of(met.item)

@@ -10,12 +10,37 @@ use std::f64::consts::{PI, TAU};
 pub const RIGS: [&str; 4] = ["dense", "ring24", "ring8", "laser"];
 /// Keys of a sensor's table.
 const SENSOR: [&str; 15] = [
-    "id", "kind", "x", "y", "displacement", "axis", "half_width", "r_min", "r_max", "hit_range", "no_echo_range",
-    "beams", "step", "noise", "noise_share",
+    "id",
+    "kind",
+    "x",
+    "y",
+    "displacement",
+    "axis",
+    "half_width",
+    "r_min",
+    "r_max",
+    "hit_range",
+    "no_echo_range",
+    "beams",
+    "step",
+    "noise",
+    "noise_share",
 ];
 const RIG: [&str; 14] = [
-    "kind", "radius", "step", "half_width", "r_min", "r_max", "hit_range", "no_echo_range", "noise", "noise_share",
-    "bounces", "specular", "spurious", "cross_talk",
+    "kind",
+    "radius",
+    "step",
+    "half_width",
+    "r_min",
+    "r_max",
+    "hit_range",
+    "no_echo_range",
+    "noise",
+    "noise_share",
+    "bounces",
+    "specular",
+    "spurious",
+    "cross_talk",
 ];
 
 /// One transducer and how it is used in a scan.
@@ -73,7 +98,9 @@ impl Rig {
     /// [`Error::Usage`] for any other name.
     pub fn named(name: &str) -> Result<Rig> {
         let transducers = match name {
-            "dense" => vec![Transducer { beams: 200, step: PI / 100.0, circles: true, ..fixed(sonar("dense", 0.14, 0.0)?) }],
+            "dense" => {
+                vec![Transducer { beams: 200, step: PI / 100.0, circles: true, ..fixed(sonar("dense", 0.14, 0.0)?) }]
+            }
             "ring24" => {
                 let one = |k: u32| Ok(fixed(sonar(&k.to_string(), 0.18, f64::from(k) * TAU / 24.0)?));
                 (0..24).map(one).collect::<Result<_>>()?
@@ -132,7 +159,9 @@ impl Rig {
             for part in sensors {
                 let next = read_sensor(part, rig.transducers.len())?;
                 if rig.transducers.iter().any(|t| t.sensor.id == next.sensor.id) {
-                    return Err(part.text.fail(&part.at, format!("two sensors are called {:?}: give each its id", next.sensor.id)));
+                    return Err(part
+                        .text
+                        .fail(&part.at, format!("two sensors are called {:?}: give each its id", next.sensor.id)));
                 }
                 rig.transducers.push(next);
             }

@@ -126,7 +126,8 @@ fn sonar(scene: &Scene, rig: &Rig, t: &Transducer, pose: Pose, random: &mut Rand
     let stray = fate < rig.spurious + rig.cross_talk;
     let heading = if stray { random.uniform(0.0, TAU) } else { pose.heading };
     let (sin, cos) = heading.sin_cos();
-    let ping = Ping { at: (pose.x, pose.y), axis: (cos, sin), half_width: s.half_width, r_min: s.r_min, r_max: s.r_max };
+    let ping =
+        Ping { at: (pose.x, pose.y), axis: (cos, sin), half_width: s.half_width, r_min: s.r_min, r_max: s.r_max };
     let (d, class) = scene.listen(&ping, random)?;
     t.report(d, random).map(|z| (z, class.filter(|_| !stray)))
 }

@@ -158,7 +158,10 @@ impl<'a> Part<'a> {
     fn row(&self, key: &str, value: &Spanned<DeValue<'_>>, most: usize) -> Result<Vec<f64>> {
         let form = if most == 2 { "[x, y]" } else { "[x, y] or [x, y, heading]" };
         let wrong = |n: usize| {
-            self.text.fail(&value.span(), format!("{key}: {n} numbers where {form} must stand; write metres, like [1.5, 2.0]"))
+            self.text.fail(
+                &value.span(),
+                format!("{key}: {n} numbers where {form} must stand; write metres, like [1.5, 2.0]"),
+            )
         };
         let DeValue::Array(items) = value.get_ref() else { return Err(wrong(1)) };
         if items.len() < 2 || items.len() > most {
@@ -177,7 +180,9 @@ impl<'a> Part<'a> {
         };
         match found {
             Ok(v) if v.abs() <= 1e6 => Ok(v),
-            Ok(v) => Err(self.text.fail(&value.span(), format!("{key}: {v} is farther than 1e6: give a smaller number"))),
+            Ok(v) => {
+                Err(self.text.fail(&value.span(), format!("{key}: {v} is farther than 1e6: give a smaller number")))
+            }
             Err(what) => {
                 let shown = self.text.text.get(value.span()).unwrap_or("this");
                 Err(self.text.fail(&value.span(), format!("{key}: {shown} is not a finite number: {key} {what}")))
