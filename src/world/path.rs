@@ -9,6 +9,8 @@ use std::path::Path;
 
 /// The path comes no nearer to anything, metres.
 const CLEARANCE: f64 = 0.01;
+/// Whether a place is solid is asked of walls this near, metres.
+const SOLID: f64 = 50.0;
 /// No path has more scans.
 const MOST: f64 = 1e8;
 
@@ -99,6 +101,7 @@ pub(crate) fn rounded(pose: Pose) -> Pose {
 
 /// Refuses a path through a wall, along one, or inside something solid; `lines` are those of the walls and the arcs.
 pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Result<()> {
+    let far = reach(index);
     let line_of = |item: u32| lines.get(item as usize).copied().unwrap_or(0);
     for leg in way.points.windows(2) {
         let ((a, _), (b, line)) = (leg[0], leg[1]);
@@ -123,8 +126,7 @@ pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Res
     let poses = way.stops.iter().map(|(_, p)| (p.x, p.y)).zip(way.lines.iter().copied());
     for ((x, y), line) in places.chain(poses) {
         for direction in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
-            if let Some(met) = index.ray((x, y), direction, 1e4_f64.min(reach(index)), false).filter(|m| m.from_behind)
-            {
+            if let Some(met) = index.ray((x, y), direction, SOLID.min(far), false).filter(|m| m.from_behind) {
                 let what = format!(
                     "the path's [{x}, {y}] lies on the solid side of the wall of line {}: move the point, or correct that shape's free side",
                     line_of(met.item)
