@@ -10,6 +10,7 @@ mod generate;
 mod map;
 mod plan;
 mod score;
+mod simulate;
 mod verify;
 
 use crate::Result;
@@ -58,6 +59,8 @@ enum Command {
     Score(score::Command),
     /// Say what mapping a log would take, without doing it
     Plan(plan::Plan),
+    /// Simulate a world: a log of what its sonars and lasers would report
+    Simulate(simulate::Simulate),
     /// List the GPU adapters and what each method will use; how to install a software adapter
     Doctor(doctor::Doctor),
     /// Drive eight sonars round a small room and map it by every method
@@ -79,6 +82,7 @@ impl Arguments {
             Command::Compare(c) => c.run(),
             Command::Score(c) => c.run(),
             Command::Plan(c) => c.run(),
+            Command::Simulate(c) => c.run(),
             Command::Doctor(c) => c.run(),
             Command::Demo(c) => c.run(),
             Command::Bench(c) => c.run(),

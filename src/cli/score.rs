@@ -15,7 +15,7 @@ pub struct Command {
     /// Maps: folders that `echogrid map` wrote, or ROS maps by their .yaml file
     #[arg(required = true, value_name = "MAP")]
     maps: Vec<PathBuf>,
-    /// What is true: a world, or a map, such as the laser map of the same run (--method truth)
+    /// What is true: a world's .toml, or a map, such as the laser map of the same run (--method truth)
     #[arg(short, long, value_name = "WORLD|MAP")]
     truth: PathBuf,
     /// Demand something of every map, such as "danger<=0.02", as often as needed; exit code 1 if it does not hold
@@ -30,6 +30,9 @@ pub struct Command {
     /// Write error plots, histograms of error levels and an HTML report into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// How far is seen in a world, metres [default: the farthest range of its sonars]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
+    r_max: Option<f64>,
     /// Print the scores as JSON
     #[arg(long)]
     json: bool,
@@ -39,7 +42,7 @@ impl Command {
     /// Scores the maps; 1 if a requirement does not hold.
     pub fn run(self) -> Result<u8> {
         let options = Options { tolerance: self.tolerance as usize, decide: self.decide()? };
-        let truth = Truth::open(&self.truth)?;
+        let truth = Truth::open(&self.truth, self.r_max)?;
         let mut scores: Vec<Score> = Vec::new();
         for path in &self.maps {
             let name = path.display().to_string();

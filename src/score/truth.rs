@@ -3,9 +3,11 @@
 use super::levels::class_of;
 use crate::grid::{GridSpec, Map};
 use crate::output::{read_map, read_ros};
+use crate::world::{World, true_map};
 use crate::{Error, Result};
 use std::fmt;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 /// Draws a world's true classes on a grid.
 type Draw = Box<dyn Fn(&GridSpec) -> Result<Vec<i8>> + Send + Sync>;
@@ -48,9 +50,37 @@ pub struct TrueCells {
 }
 
 impl Truth {
-    /// Opens a truth: a map's folder, or a ROS map by its YAML file.
-    pub fn open(path: &Path) -> Result<Truth> {
-        Ok(Truth::Map(open_map(path)?))
+    /// Opens a truth: a world's TOML file, a map's folder, or a ROS map by its YAML file. `r_max` is [`Truth::of_world`]'s.
+    pub fn open(path: &Path, r_max: Option<f64>) -> Result<Truth> {
+        let is_world = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) && !path.is_dir();
+        match (is_world, r_max) {
+            (true, _) => Truth::of_world(World::open(path)?, r_max),
+            (false, None) => Ok(Truth::Map(open_map(path)?)),
+            (false, Some(_)) => Err(Error::Usage(format!("--r-max is for worlds: {} is a map", path.display()))),
+        }
+    }
+
+    /// A world's truth: what an ideal sensor of range `r_max`, metres, would know from its path; by default the farthest
+    /// range of its sonars, or 5 m where it has none.
+    pub fn of_world(world: World, r_max: Option<f64>) -> Result<Truth> {
+        let reach = world.rig.sonar_reach();
+        let r_max = r_max.unwrap_or(if reach > 0.0 { reach } else { 5.0 });
+        if !(r_max > 0.0 && r_max.is_finite()) {
+            return Err(Error::Usage(format!("--r-max {r_max} is no range: give metres, more than 0")));
+        }
+        let bounds = world.bounds();
+        // Maps scored side by side mostly share their cells: the last drawing is kept.
+        let last: Mutex<Option<(GridSpec, Vec<i8>)>> = Mutex::new(None);
+        let draw = Box::new(move |grid: &GridSpec| {
+            let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some((_, class)) = last.as_ref().filter(|(drawn, _)| drawn == grid) {
+                return Ok(class.clone());
+            }
+            let class = true_map(&world, &world.scans(), grid, r_max);
+            *last = Some((*grid, class.clone()));
+            Ok(class)
+        });
+        Ok(Truth::World { bounds, r_max, draw })
     }
 
     /// What kind of truth it is, in a word.

@@ -3,7 +3,8 @@
 use crate::common::*;
 use echogrid::grid::{Data, GridSpec, Map};
 use echogrid::score::{Options, Truth, score};
-use echogrid::world::room;
+use echogrid::world::{World, room, true_map};
+use std::path::Path;
 
 /// The demo's room, its true classes on a grid.
 fn room_truth() -> Truth {
@@ -91,4 +92,18 @@ fn grids_that_do_not_fall_on_one_another_are_refused() {
     assert!(refused(GridSpec { i0: 50, ..good.grid }).contains("no cell in common"));
     let unseen = Truth::Map(map(&[U; 25]));
     assert!(score("m", &good, &unseen, &options).unwrap_err().to_string().contains("both have seen"));
+}
+
+#[test]
+fn a_worlds_file_is_a_truth() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/bend.toml");
+    let world = World::open(&path).unwrap();
+    let truth = Truth::open(&path, Some(3.0)).unwrap();
+    let [x0, y0, x1, y1] = world.bounds();
+    let grid = GridSpec::around([x0 - 4.0, y0 - 4.0, x1 + 4.0, y1 + 4.0], 0.1).unwrap();
+    let class = true_map(&world, &world.scans(), &grid, 3.0);
+    let same = scored(&Map { grid, ..map_at(0, 0, grid.width, &class) }, &truth);
+    assert_eq!((same.numbers.levels[0], same.numbers.accuracy), (same.numbers.cells, Some(1.0)));
+    assert!(same.numbers.occupied > 100 && same.near.unwrap().cells < same.numbers.cells);
+    assert_eq!(Truth::open(&path, Some(f64::NAN)).unwrap_err().exit_code(), 2);
 }

@@ -1,0 +1,154 @@
+//! Where the robot scans: along way points, one step from the next, or at given poses.
+
+use super::index::Index;
+use super::plane::{Point, along, distance, from_segment, length, sub, times};
+use super::text::Part;
+use crate::reading::Pose;
+use crate::{Error, Result};
+use std::path::Path;
+
+/// The path comes no nearer to anything, metres.
+const CLEARANCE: f64 = 0.01;
+/// Whether a place is solid is asked of walls this near, metres.
+const SOLID: f64 = 50.0;
+/// No path has more scans.
+const MOST: f64 = 1e8;
+
+/// A stop: seconds since the start, and the robot's pose.
+pub type Stop = (f64, Pose);
+
+/// A path as it was read.
+pub(crate) struct Way {
+    pub stops: Vec<Stop>,
+    /// The way points, where the robot drives from one to the next, and their lines.
+    points: Vec<(Point, u64)>,
+    /// The lines of explicit poses.
+    lines: Vec<u64>,
+}
+
+/// Reads `[path]`.
+pub(crate) fn read(part: &Part<'_>) -> Result<Way> {
+    part.check(&["points", "step", "speed", "poses", "period"])?;
+    match (part.rows("points", 2)?, part.rows("poses", 3)?) {
+        (Some(points), None) => {
+            if points.len() < 2 {
+                return Err(part
+                    .text
+                    .fail(&part.place("points"), "a path needs two points or more; use poses for one scan"));
+            }
+            let step = part.need("step", part.positive("step")?, "0.3")?;
+            let speed = part.positive("speed")?.unwrap_or(0.5);
+            let points = points.into_iter().map(|(r, at)| ((r[0], r[1]), part.text.line(&at))).collect();
+            let way = Way { stops: Vec::new(), points, lines: Vec::new() };
+            let total: f64 = way.points.windows(2).map(|p| distance(p[0].0, p[1].0)).sum();
+            if total / step > MOST {
+                return Err(part
+                    .text
+                    .fail(&part.place("step"), format!("step {step} m makes more than 1e8 scans: give a longer one")));
+            }
+            Ok(way.stepped(step, speed))
+        }
+        (None, Some(poses)) => {
+            if poses.is_empty() {
+                return Err(part.text.fail(&part.place("poses"), "poses is empty: add [x, y] or [x, y, heading]"));
+            }
+            let period = part.positive("period")?.unwrap_or(1.0);
+            let lines = poses.iter().map(|(_, at)| part.text.line(at)).collect();
+            let pose = |(k, (r, _)): (usize, &(Vec<f64>, _))| {
+                let heading = r.get(2).copied().unwrap_or(0.0);
+                (k as f64 * period, rounded(Pose { x: r[0], y: r[1], heading }))
+            };
+            Ok(Way { stops: poses.iter().enumerate().map(pose).collect(), points: Vec::new(), lines })
+        }
+        (None, None) => Err(part
+            .text
+            .fail(&part.at, "[path] is empty: give points = [[x, y], …] and step, or poses = [[x, y, heading], …]")),
+        _ => Err(part.text.fail(&part.at, "give points or poses, not both")),
+    }
+}
+
+impl Way {
+    /// A path along points that all stand on one line of the file, a scan each 0.3 m.
+    pub fn along(points: Vec<Point>, line: u64) -> Way {
+        let points = points.into_iter().map(|p| (p, line)).collect();
+        Way { stops: Vec::new(), points, lines: Vec::new() }.stepped(0.3, 0.5)
+    }
+
+    /// A scan each `step` metres of the whole way, looking along it; `speed` in m/s.
+    fn stepped(mut self, step: f64, speed: f64) -> Way {
+        let mut next = 0.0;
+        let mut done = 0.0;
+        for leg in self.points.windows(2) {
+            let (a, b) = (leg[0].0, leg[1].0);
+            let (d, run) = (sub(b, a), distance(a, b));
+            let heading = d.1.atan2(d.0);
+            while next <= done + run {
+                let (x, y) = along(a, b, (next - done) / run.max(1e-9));
+                self.stops.push(((next / speed * 1e6).round() / 1e6, rounded(Pose { x, y, heading })));
+                next += step;
+            }
+            done += run;
+        }
+        self
+    }
+}
+
+/// To 1 µm and 1 µrad: where machines' sines differ, their logs don't.
+pub(crate) fn rounded(pose: Pose) -> Pose {
+    let round = |v: f64| (v * 1e6).round() / 1e6 + 0.0;
+    Pose { x: round(pose.x), y: round(pose.y), heading: round(pose.heading) }
+}
+
+/// Refuses a path through a wall, along one, or inside something solid; `lines` are those of the walls and the arcs.
+pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Result<()> {
+    let far = reach(index);
+    let line_of = |item: u32| lines.get(item as usize).copied().unwrap_or(0);
+    for leg in way.points.windows(2) {
+        let ((a, _), (b, line)) = (leg[0], leg[1]);
+        let run = distance(a, b);
+        if run == 0.0 {
+            continue;
+        }
+        if let Some(met) = index.ray(a, times(sub(b, a), 1.0 / run), run, false) {
+            let (x, y) = along(a, b, met.distance / run);
+            let what = format!(
+                "the path from [{}, {}] to [{}, {}] runs through the wall of line {} at [{x:.2}, {y:.2}]: add a way point round it",
+                a.0,
+                a.1,
+                b.0,
+                b.1,
+                line_of(met.item)
+            );
+            return Err(Error::at(path, line, what));
+        }
+    }
+    let places = way.points.iter().copied();
+    let poses = way.stops.iter().map(|(_, p)| (p.x, p.y)).zip(way.lines.iter().copied());
+    for ((x, y), line) in places.chain(poses) {
+        for direction in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
+            if let Some(met) = index.ray((x, y), direction, SOLID.min(far), false).filter(|m| m.from_behind) {
+                let what = format!(
+                    "the path's [{x}, {y}] lies on the solid side of the wall of line {}: move the point, or correct that shape's free side",
+                    line_of(met.item)
+                );
+                return Err(Error::at(path, line, what));
+            }
+        }
+        let near = index.near((x, y), 0.5);
+        let tight = near.into_iter().find(|&k| match index.walls.get(k as usize) {
+            Some(w) => from_segment((x, y), w.a, w.b) < CLEARANCE,
+            None => index.arcs[k as usize - index.walls.len()].off((x, y)) < CLEARANCE,
+        });
+        if let Some(item) = tight {
+            let what = format!("the path's [{x}, {y}] touches the wall of line {}: keep 1 cm off", line_of(item));
+            return Err(Error::at(path, line, what));
+        }
+    }
+    Ok(())
+}
+
+/// Farther than any two things of a world.
+fn reach(index: &Index) -> f64 {
+    let [x0, y0, x1, y1] = super::index::bounds(&index.walls, &index.arcs);
+    2.0 * length((x1 - x0, y1 - y0)) + 1.0
+}

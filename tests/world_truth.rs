@@ -1,0 +1,94 @@
+//! True maps: areas by an independent rule, whole-cell shifts, hidden surfaces.
+
+#![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
+
+use echogrid::grid::GridSpec;
+use echogrid::world::{World, true_map};
+use std::path::Path;
+
+fn world(text: &str) -> World {
+    World::parse(Path::new("test.toml"), text).unwrap()
+}
+
+fn room(dx: f64, dy: f64, more: &str) -> World {
+    let p = |x: f64, y: f64| format!("[{}, {}]", x + dx, y + dy);
+    let outline = [p(0.02, 0.03), p(4.62, 0.03), p(4.62, 3.43), p(0.02, 3.43), p(0.02, 0.03)].join(", ");
+    world(&format!("[[outline]]\npoints = [{outline}]\n{more}\n[path]\nposes = [{}, {}]\n", p(1.5, 1.3), p(3.2, 2.0)))
+}
+
+fn count(map: &[i8], class: i8) -> usize {
+    map.iter().filter(|c| **c == class).count()
+}
+
+#[test]
+fn a_polygons_area_is_counted_otherwise() {
+    // an L: its empty cells by centre in polygon (even-odd), its walls by a fine walk along them; all in sight of the scans
+    let corners = [(0.03, 0.02), (4.03, 0.02), (4.03, 1.52), (1.53, 1.52), (1.53, 3.02), (0.03, 3.02)];
+    let text: Vec<String> = corners.iter().chain([&corners[0]]).map(|(x, y)| format!("[{x}, {y}]")).collect();
+    let world =
+        world(&format!("[[outline]]\npoints = [{}]\n[path]\nposes = [[0.7, 0.7], [3.0, 0.8]]\n", text.join(", ")));
+    for resolution in [0.1, 0.05, 0.023] {
+        let grid = GridSpec::from_bounds([-0.5, -0.5, 4.5, 3.5], resolution).unwrap();
+        let map = true_map(&world, &world.scans(), &grid, 10.0);
+        let mut wall = vec![false; grid.cells()];
+        for k in 0..6 {
+            let (a, b) = (corners[k], corners[(k + 1) % 6]);
+            for n in 0..200_000 {
+                let t = (f64::from(n) + 0.5) / 200_000.0;
+                let at = |p: f64, q: f64, low: f64| ((p + (q - p) * t - low) / resolution).floor() as usize;
+                wall[at(a.1, b.1, -0.5) * grid.width + at(a.0, b.0, -0.5)] = true;
+            }
+        }
+        let mut empty = 0.0;
+        for k in 0..grid.cells() {
+            let (x, y) = grid.centre(k % grid.width, k / grid.width);
+            let inside = (0..6).filter(|&i| {
+                let (a, b) = (corners[i], corners[(i + 1) % 6]);
+                (a.1 > y) != (b.1 > y) && x < a.0 + (y - a.1) / (b.1 - a.1) * (b.0 - a.0)
+            });
+            let want = if wall[k] {
+                1
+            } else if inside.count() % 2 == 1 {
+                -1
+            } else {
+                0
+            };
+            assert_eq!(map[k], want, "cell at {x}, {y} of {resolution} m");
+            empty += if want == -1 { resolution * resolution } else { 0.0 };
+        }
+        // area 4·1.5 + 1.5·1.5 = 8.25, less about half a cell along the perimeter of 14 m
+        assert!((empty + 7.0 * resolution - 8.25).abs() < 5.0 * resolution, "{empty} m² at {resolution} m");
+    }
+}
+
+#[test]
+fn whole_cells_shift_everything() {
+    let grid = |dx: f64, dy: f64| GridSpec::from_bounds([-1.0 + dx, -1.0 + dy, 6.0 + dx, 5.0 + dy], 0.25).unwrap();
+    let (here, there) = (room(0.0, 0.0, ""), room(2.5, -1.25, ""));
+    let one = true_map(&here, &here.scans(), &grid(0.0, 0.0), 5.0);
+    let two = true_map(&there, &there.scans(), &grid(2.5, -1.25), 5.0);
+    assert_eq!(one, two);
+}
+
+#[test]
+fn what_is_hidden_or_far_is_unknown() {
+    let more = "[[box]]\ncentre = [2.3, 1.0]\nsize = [0.4, 0.4]\n[[circle]]\ncentre = [4.0, 3.0]\nradius = 0.2\n";
+    let world = room(0.0, 0.0, more);
+    let grid = GridSpec::from_bounds([0.0, 0.0, 5.0, 4.0], 0.1).unwrap();
+    let map = true_map(&world, &[(1.5, 1.05)], &grid, 5.0);
+    let at = |x: f64, y: f64| map[(y / 0.1) as usize * grid.width + (x / 0.1) as usize];
+    // the box's left face is seen, its right face and the wall behind it are not; its inside never
+    assert_eq!([at(2.15, 1.05), at(2.55, 1.05), at(4.65, 1.05), at(3.5, 1.05), at(2.3, 1.0)], [1, 0, 0, 0, 0]);
+    assert_eq!([at(1.05, 1.05), at(0.05, 1.05), at(4.95, 3.95)], [-1, 1, 0]);
+    // the circle: its near side, not its far side
+    assert_eq!([at(3.85, 2.85), at(4.15, 3.15)], [1, 0]);
+    let near = true_map(&world, &[(1.5, 1.05)], &grid, 1.0);
+    assert!(count(&near, -1) < count(&map, -1) && near[10 * grid.width] == 0, "beyond 1 m nothing is known");
+}
+
+#[test]
+fn nothing_is_known_without_a_scan() {
+    let world = room(0.0, 0.0, "");
+    let grid = GridSpec::from_bounds([0.0, 0.0, 5.0, 4.0], 0.1).unwrap();
+    assert_eq!(count(&true_map(&world, &[], &grid, 5.0), 0), grid.cells());
+}
