@@ -14,6 +14,7 @@ fn options() -> Vec<(&'static str, Vec<&'static str>)> {
     vec![
         ("map", log(&["--output", "--backend", "--memory", "--working", "--npy", "--json", "--quiet"])),
         ("verify", log(&["--backends", "--pictures", "--memory", "--json", "--quiet"])),
+        ("simulate", vec!["--output", "--seed", "--rig", "--scans", "--bounces", "--no-specular", "--threads"]),
         ("score", vec!["--truth", "--require", "--tolerance", "--decide", "--output", "--json"]),
         ("plan", log(&["--json"])),
         ("compare", vec!["--tol", "--common", "--pictures", "--json"]),
