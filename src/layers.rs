@@ -46,26 +46,43 @@ impl<'a> Layers<'a> {
     fn finish(self) -> Finished {
         let visits = self.visits;
         let updates = visits.interior.iter().chain(&visits.arc).map(|n| u64::from(*n)).sum();
-        let layer = |name: &str, about, data, fill, scale| Layer { name: name.into(), about, data, fill, scale };
         let data = |integer: bool, values: Vec<f32>| match integer {
             true => Data::U32(values.iter().map(|v| *v as u32).collect()),
             false => Data::F32(values),
         };
-        let (signed, flag) = (Scale::Signed { limit: 1.0 }, Scale::Grey { low: 0.0, high: 1.0 });
         let mut layers: Vec<Layer> = (self.method.layers().iter().zip(self.values))
             .map(|(s, values)| layer(s.name, s.about, data(s.integer, values), f64::from(s.fill), s.scale))
             .collect();
-        let touched = "1 where a reading reached the cell";
-        layers.push(layer("touched", touched, Data::U8(self.touched), 0.0, flag));
-        let class = "1 occupied, 0 unknown, -1 empty, by the method's decision rule";
-        layers.push(layer("class", class, Data::I8(self.class), 0.0, signed));
+        layers.extend(touched_and_class(self.touched, self.class));
         let combined = "-1 surely empty to 1 surely occupied";
         Finished {
             map: Map { grid: *self.grid, method: method::name(self.method).into(), layers, updates },
-            combined: layer("combined", combined, Data::F32(self.combined), 0.0, signed),
+            combined: layer("combined", combined, Data::F32(self.combined), 0.0, SIGNED),
             visits,
         }
     }
+}
+
+const SIGNED: Scale = Scale::Signed { limit: 1.0 };
+
+fn layer(name: &str, about: &'static str, data: Data, fill: f64, scale: Scale) -> Layer {
+    Layer { name: name.into(), about, data, fill, scale }
+}
+
+/// The two layers of every map.
+fn touched_and_class(touched: Vec<u8>, class: Vec<i8>) -> [Layer; 2] {
+    let flag = Scale::Grey { low: 0.0, high: 1.0 };
+    let about = "1 occupied, 0 unknown, -1 empty, by the method's decision rule";
+    [
+        layer("touched", "1 where a reading reached the cell", Data::U8(touched), 0.0, flag),
+        layer("class", about, Data::I8(class), 0.0, SIGNED),
+    ]
+}
+
+/// The map of classes alone, such as a world's true map; a cell of known class counts as touched.
+pub fn of_classes(grid: GridSpec, method: &str, class: Vec<i8>) -> Map {
+    let touched = class.iter().map(|c| u8::from(*c != 0)).collect();
+    Map { grid, method: method.into(), layers: touched_and_class(touched, class).into(), updates: 0 }
 }
 
 /// The map of a kernel's chunks.

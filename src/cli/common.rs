@@ -86,14 +86,28 @@ pub struct LogArguments {
 }
 
 /// A length on the command line, metres.
-fn metres(text: &str) -> std::result::Result<f64, String> {
+pub fn metres(text: &str) -> std::result::Result<f64, String> {
     // Not a number is refused with the other impossible cell sizes.
     text.parse().or_else(|_| length(text).map_err(|what| format!("it {what}")))
 }
 
 /// A number on the command line.
-fn number(text: &str) -> std::result::Result<f64, String> {
+pub fn number(text: &str) -> std::result::Result<f64, String> {
     text.parse().map_err(|_| "it is not a number".into())
+}
+
+/// The four numbers of `--bounds`, checked, with the resolution, before anything is read.
+pub fn bounds(given: Option<&[f64]>, resolution: f64) -> Result<Option<[f64; 4]>> {
+    let bounds = match given {
+        None => None,
+        Some(&[x0, y0, x1, y1]) => Some([x0, y0, x1, y1]),
+        Some(other) => {
+            let what = format!("--bounds takes x0,y0,x1,y1, four numbers; here are {}", other.len());
+            return Err(Error::Usage(what));
+        }
+    };
+    GridSpec::from_bounds(bounds.unwrap_or([0.0, 0.0, 1.0, 1.0]), resolution)?;
+    Ok(bounds)
 }
 
 /// A count on the command line that can't be 0.
@@ -171,18 +185,7 @@ impl LogArguments {
                 return Err(Error::Usage(format!("--set {text}: {}", unknown_key(&self.method, &settings, key))));
             }
         }
-        let bounds = match self.bounds.as_deref() {
-            None => None,
-            Some(&[x0, y0, x1, y1]) => Some([x0, y0, x1, y1]),
-            Some(other) => {
-                return Err(Error::Usage(format!(
-                    "--bounds takes x0,y0,x1,y1, four numbers; here are {}",
-                    other.len()
-                )));
-            }
-        };
-        // Checked before the log is read.
-        GridSpec::from_bounds(bounds.unwrap_or([0.0, 0.0, 1.0, 1.0]), self.resolution)?;
+        let bounds = bounds(self.bounds.as_deref(), self.resolution)?;
         let kind = self.sensor.map(|k| match k {
             KindArgument::Sonar => Kind::Sonar,
             KindArgument::Laser => Kind::Laser,

@@ -1,32 +1,34 @@
-//! `echogrid demo`: the main job on whatever the machine has.
+//! `echogrid demo`: the main job on whatever the machine has, in a world where the truth is known.
 
 use super::common::BackendArgument;
 use super::map::{Ran, save};
 use super::say;
-use crate::grid::{Class, GridSpec, Layer};
 use crate::kernels::choose;
-use crate::log::{self, Writer};
+use crate::log;
 use crate::mapper::BATCH;
 use crate::method::{REGISTRY, settings::Settings};
-use crate::output::Folder;
+use crate::output::{Folder, Report};
+use crate::score::{Numbers, Options, Score, Truth, open_map, score, write_report};
+use crate::sensor::Overrides;
 use crate::session::{Request, Session};
-use crate::world::room;
+use crate::world::{World, simulate};
 use crate::{Error, Result};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The demo's seed and cells.
+/// The demo's world, its seed and its cells, metres.
+const WORLD: &str = include_str!("../../worlds/bend.toml");
 const SEED: u64 = 1;
 const RESOLUTION: f64 = 0.05;
-/// The demo's bounds: the room and half a metre around.
-const BOUNDS: [f64; 4] = [-0.5, -0.5, 5.5, 4.5];
+/// A method whose name has this at its end trusts echoes up to 2 m only.
+const NEAR: (&str, f64) = ("-2m", 2.0);
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
 pub struct Demo {
-    /// Folder for the log and the maps
+    /// Folder for the world, the log, the maps and the scores
     #[arg(short, long, value_name = "DIR", default_value = "echogrid-demo")]
     output: PathBuf,
     /// What computes
@@ -35,52 +37,66 @@ pub struct Demo {
 }
 
 impl Demo {
-    /// Drives, maps, and prints a table.
+    /// Simulates, maps, scores, and prints a table.
     pub fn run(self) -> Result<u8> {
         let started = Instant::now();
         let unwritable = |e: std::io::Error| {
             Error::Resources(format!("{} can't be written: {e}; give another folder with -o", self.output.display()))
         };
         std::fs::create_dir_all(&self.output).map_err(unwritable)?;
-        let log = self.output.join("room.jsonl");
-        let (sensors, records) = room::records(SEED)?;
-        let file = File::create(&log).map_err(unwritable)?;
-        let mut writer = Writer::new(BufWriter::new(file), &sensors, &[])?;
-        for record in &records {
-            writer.write(record)?;
-        }
-        writer.finish()?;
-        let scans = records.last().map_or(0, |r| r.scan + 1);
-        say!("A ring of eight sonars, driven round a room of 5 × 4 m: {} readings in {scans} scans.", records.len());
+        let [file, log] = ["bend.toml", "bend.jsonl"].map(|name| self.output.join(name));
+        std::fs::write(&file, WORLD).map_err(unwritable)?;
+        let world = World::open(&file)?;
+        let out = BufWriter::new(File::create(&log).map_err(unwritable)?);
+        let (done, _) = simulate(&world, &world.rig, SEED, None, out, &|_| {})?;
+        say!(
+            "A sonar turns in a bent corridor: {} readings in {} scans, {:.0} % without an echo.",
+            done.readings,
+            done.scans,
+            100.0 * done.no_echo as f64 / done.readings as f64
+        );
         say!("");
-        say!("method            backend      ms  M updates  occupied  empty  walls found  walls freed");
+        say!("map               backend      ms  M updates  accuracy  walls found  precision  danger");
+        let truth = Truth::of_world(world, None)?;
+        let methods = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth");
+        let runs =
+            methods.map(|m| (m.to_string(), m, None)).chain([(format!("bayes{}", NEAR.0), "bayes", Some(NEAR.1))]);
         let mut why = String::new();
-        for entry in REGISTRY.iter().filter(|e| e.name != "truth") {
-            let Some(settings) = Settings::of(entry.name) else { continue };
-            why = self.map(&log, entry.name, settings)?;
+        let mut scores: Vec<Score> = Vec::new();
+        for (name, method, hit_range) in runs {
+            let Some(settings) = Settings::of(method) else { continue };
+            let overrides = Overrides { hit_range, ..Overrides::default() };
+            let (report, ran) = self.map(&log, &name, settings, overrides)?;
+            let folder = self.output.join(&name);
+            scores.push(score(&folder.display().to_string(), &open_map(&folder)?, &truth, &Options::default())?);
+            line(&name, &report, scores.last().map(|s| &s.numbers));
+            let adapter = ran.adapter.map(|a| format!(" ({a})")).unwrap_or_default();
+            let reason = if ran.why.is_empty() { String::new() } else { format!(", because {}", ran.why) };
+            why = format!("{}{adapter}{reason}", ran.backend);
         }
+        let page = write_report(&self.output.join("score"), &file.display().to_string(), &scores, &[])?;
         say!("");
-        if !why.is_empty() {
-            say!("Computed on the {why}.");
-        }
+        say!("Computed on the {why}. In {:.1} s.", started.elapsed().as_secs_f64());
         say!(
-            "A wall is found if a cell beside it is occupied, freed if its own cell is empty. In {:.1} s.",
-            started.elapsed().as_secs_f64()
+            "Walls found: with an occupied cell on or beside them. Danger: of the walls' cells that a map decides, those"
         );
         say!(
-            "Look at {}; then map a log of your own: echogrid map LOG -o DIR",
-            self.output.join("bayes").join("map.png").display()
+            "that it calls empty. Smooth walls send echoes by way of other walls, too long by metres: bayes{} trusts",
+            NEAR.0
         );
+        say!("none beyond {} m (--set hit_range={0}) and is the safer for it.", NEAR.1);
+        say!("");
+        say!("Look at {}, then map a log of your own: echogrid map LOG -o DIR", page.display());
         Ok(0)
     }
 
-    /// Maps by one method, prints its line, and says on what.
-    fn map(&self, log: &Path, name: &str, settings: Settings) -> Result<String> {
+    /// Maps the log, and tells on what.
+    fn map(&self, log: &Path, name: &str, settings: Settings, overrides: Overrides) -> Result<(Report, Ran)> {
         let request = Request {
-            log: log::Options::default(),
+            log: log::Options { overrides, ..log::Options::default() },
             settings,
             resolution: RESOLUTION,
-            bounds: Some(BOUNDS),
+            bounds: None,
             until: None,
             strict: true,
         };
@@ -94,40 +110,24 @@ impl Demo {
                 (session.map(chosen.backend.as_mut(), BATCH, &|_| {})?, Ran::of(&chosen))
             }
         };
-        let seconds = started.elapsed().as_secs_f64();
-        let report = save(&folder, &session, &mapped, &ran, vec![("map".into(), seconds)], false)?;
+        let seconds = vec![("map".into(), started.elapsed().as_secs_f64())];
+        let report = save(&folder, &session, &mapped, &ran, seconds, false)?;
         folder.finish()?;
-        let class = mapped.finished.map.layer("class");
-        let [found, freed] = class.map_or([0.0; 2], |class| walls(&session.grid, class));
-        say!(
-            "{name:<18}{:<8}{:>7.1}{:>11.2}{:>10}{:>7}{found:>11.0} %{freed:>11.0} %",
-            ran.backend,
-            1e3 * seconds,
-            report.updates as f64 / 1e6,
-            report.cells.occupied,
-            report.cells.empty
-        );
-        let adapter = ran.adapter.map(|a| format!(" ({a})")).unwrap_or_default();
-        let why = if ran.why.is_empty() { String::new() } else { format!(", because {}", ran.why) };
-        Ok(format!("{}{adapter}{why}", ran.backend))
+        Ok((report, ran))
     }
 }
 
-/// Of the true walls' cells, in percent: those with an occupied cell within one, and those that are empty.
-fn walls(grid: &GridSpec, class: &Layer) -> [f64; 2] {
-    let truth = room::truth(grid);
-    let at = |x: usize, y: usize| class.data.get(y * grid.width + x);
-    let (mut all, mut found, mut freed) = (0u32, 0u32, 0u32);
-    for y in 0..grid.height {
-        for x in 0..grid.width {
-            if truth[y * grid.width + x] != Class::Occupied as i8 {
-                continue;
-            }
-            let near = |v: usize, end: usize| v.saturating_sub(1)..(v + 2).min(end);
-            all += 1;
-            found += u32::from(near(y, grid.height).any(|j| near(x, grid.width).any(|i| at(i, j) > 0.0)));
-            freed += u32::from(at(x, y) < 0.0);
-        }
-    }
-    [found, freed].map(|n| 100.0 * f64::from(n) / f64::from(all.max(1)))
+/// One map's line.
+fn line(name: &str, report: &Report, numbers: Option<&Numbers>) {
+    let milliseconds = report.seconds.iter().find(|s| s.0 == "map").map_or(0.0, |s| 1e3 * s.1);
+    let share = |of: fn(&Numbers) -> Option<f64>| numbers.and_then(of).map_or("-".into(), |v| format!("{v:.3}"));
+    say!(
+        "{name:<18}{:<8}{milliseconds:>7.1}{:>11.2}{:>10}{:>13}{:>11}{:>8}",
+        report.backend,
+        report.updates as f64 / 1e6,
+        share(|n| n.accuracy),
+        share(|n| n.recall_tolerant),
+        share(|n| n.precision_tolerant),
+        share(|n| n.danger)
+    );
 }

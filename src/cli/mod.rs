@@ -11,6 +11,7 @@ mod map;
 mod plan;
 mod score;
 mod simulate;
+mod truth;
 mod verify;
 
 use crate::Result;
@@ -61,9 +62,11 @@ enum Command {
     Plan(plan::Plan),
     /// Simulate a world: a log of what its sonars and lasers would report
     Simulate(simulate::Simulate),
+    /// Draw a world's true map: what an ideal sensor on its path would know
+    Truth(truth::Command),
     /// List the GPU adapters and what each method will use; how to install a software adapter
     Doctor(doctor::Doctor),
-    /// Drive eight sonars round a small room and map it by every method
+    /// Simulate a sonar in a bent corridor, map it by every method and score the maps against the truth
     Demo(demo::Demo),
     /// Measure kernel throughput: cell updates and readings a second
     Bench(bench::Bench),
@@ -83,6 +86,7 @@ impl Arguments {
             Command::Score(c) => c.run(),
             Command::Plan(c) => c.run(),
             Command::Simulate(c) => c.run(),
+            Command::Truth(c) => c.run(),
             Command::Doctor(c) => c.run(),
             Command::Demo(c) => c.run(),
             Command::Bench(c) => c.run(),

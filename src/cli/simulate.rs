@@ -5,9 +5,10 @@ use crate::world::{RIGS, Rig, World, simulate};
 use crate::{Error, Result};
 use indicatif::ProgressBar;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use tempfile::NamedTempFile;
 
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -53,25 +54,20 @@ impl Simulate {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build();
         let pool = pool.map_err(|e| Error::Resources(format!("{} threads can't be started: {e}", self.threads)))?;
         let to_stdout = self.output == Path::new("-");
-        let out: Box<dyn Write + Send> = if to_stdout {
-            Box::new(std::io::stdout())
-        } else {
-            Box::new(File::create(&self.output).map_err(|e| {
-                Error::Resources(format!("{} can't be written: {e}; give another path with -o", self.output.display()))
-            })?)
-        };
+        let out = Target::open(&self.output)?;
         let bar = if self.quiet {
             ProgressBar::hidden()
         } else {
             ProgressBar::new(self.scans.unwrap_or(world.stops.len() as u64))
         };
         let started = Instant::now();
-        let (done, _) = pool.install(|| {
+        let (done, out) = pool.install(|| {
             simulate(&world, &rig, self.seed, self.scans, BufWriter::with_capacity(1 << 20, out), &|n| {
                 bar.set_position(n)
             })
         })?;
         bar.finish_and_clear();
+        out.into_inner().map_err(|e| unwritable(&self.output, e))?.finish(&self.output)?;
         let seconds = started.elapsed().as_secs_f64();
         if !self.quiet && !to_stdout {
             say!(
@@ -87,4 +83,60 @@ impl Simulate {
         }
         Ok(0)
     }
+}
+
+/// Where a log goes. One on disk grows beside its place and is moved there when it is whole.
+enum Target {
+    Stream(Box<dyn Write + Send>),
+    File(NamedTempFile),
+}
+
+impl Target {
+    fn open(path: &Path) -> Result<Target> {
+        if path == Path::new("-") {
+            return Ok(Target::Stream(Box::new(io::stdout())));
+        }
+        if path.exists() && !path.is_file() && !path.is_dir() {
+            // a pipe or a device
+            return Ok(Target::Stream(Box::new(File::create(path).map_err(|e| unwritable(path, e))?)));
+        }
+        if path.is_dir() {
+            return Err(Error::Resources(format!("{} is a folder: give a file with -o", path.display())));
+        }
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let name = path.file_name().unwrap_or_default();
+        let file = tempfile::Builder::new().prefix(name).suffix(".partial").make_in(folder, |p| File::create_new(p));
+        Ok(Target::File(file.map_err(|e| unwritable(path, e))?.into()))
+    }
+
+    fn finish(self, path: &Path) -> Result<()> {
+        match self {
+            Target::Stream(_) => Ok(()),
+            Target::File(file) => file.persist(path).map(drop).map_err(|e| unwritable(path, e.error)),
+        }
+    }
+}
+
+impl Write for Target {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Target::Stream(out) => match out.write(bytes) {
+                // a reader that went away has all it wants
+                Err(e) if e.kind() == io::ErrorKind::BrokenPipe => std::process::exit(0),
+                other => other,
+            },
+            Target::File(out) => out.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Target::Stream(out) => out.flush(),
+            Target::File(out) => out.flush(),
+        }
+    }
+}
+
+fn unwritable(path: &Path, cause: impl std::fmt::Display) -> Error {
+    Error::Resources(format!("{} can't be written: {cause}; give another path with -o", path.display()))
 }

@@ -4,10 +4,13 @@ use super::levels::class_of;
 use crate::grid::{GridSpec, Map};
 use crate::output::{read_map, read_ros};
 use crate::world::{World, true_map};
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 use std::fmt;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
+
+/// Bytes a compared cell takes: its classes, its probability, its level, and both once more while they are counted.
+const CELL: u64 = 32;
 
 /// Draws a world's true classes on a grid.
 type Draw = Box<dyn Fn(&GridSpec) -> Result<Vec<i8>> + Send + Sync>;
@@ -63,11 +66,7 @@ impl Truth {
     /// A world's truth: what an ideal sensor of range `r_max`, metres, would know from its path; by default the farthest
     /// range of its sonars, or 5 m where it has none.
     pub fn of_world(world: World, r_max: Option<f64>) -> Result<Truth> {
-        let reach = world.rig.sonar_reach();
-        let r_max = r_max.unwrap_or(if reach > 0.0 { reach } else { 5.0 });
-        if !(r_max > 0.0 && r_max.is_finite()) {
-            return Err(Error::Usage(format!("--r-max {r_max} is no range: give metres, more than 0")));
-        }
+        let r_max = reach(&world, r_max)?;
         let bounds = world.bounds();
         // Maps scored side by side mostly share their cells: the last drawing is kept.
         let last: Mutex<Option<(GridSpec, Vec<i8>)>> = Mutex::new(None);
@@ -101,6 +100,7 @@ impl Truth {
             }
             Truth::World { bounds, r_max, draw } => {
                 let grid = around(scored, wider(*bounds, *r_max))?;
+                memory::check(grid.cells() as u64 * CELL, None, &grid)?;
                 let class = draw(&grid)?;
                 if class.len() != grid.cells() {
                     return Err(Error::Usage(format!("{} true classes for {} cells", class.len(), grid.cells())));
@@ -121,7 +121,18 @@ pub fn open_map(path: &Path) -> Result<Map> {
     }
 }
 
-fn wider([x0, y0, x1, y1]: [f64; 4], by: f64) -> [f64; 4] {
+/// How far is seen in a world, metres: as given, else the farthest range of its sonars, or 5 m where it has none.
+pub fn reach(world: &World, given: Option<f64>) -> Result<f64> {
+    let reach = world.rig.sonar_reach();
+    let r_max = given.unwrap_or(if reach > 0.0 { reach } else { 5.0 });
+    match r_max > 0.0 && r_max <= 1e6 {
+        true => Ok(r_max),
+        false => Err(Error::Usage(format!("--r-max {r_max} is no range: give metres, more than 0"))),
+    }
+}
+
+/// A box x0, y0, x1, y1 and `by` metres around it.
+pub fn wider([x0, y0, x1, y1]: [f64; 4], by: f64) -> [f64; 4] {
     [x0 - by, y0 - by, x1 + by, y1 + by]
 }
 

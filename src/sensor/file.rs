@@ -110,7 +110,7 @@ mod tests {
             let a = axes[i].to_radians();
             assert_eq!((s.kind, s.axis, s.x, s.y), (Kind::Sonar, a, out[i] * a.cos(), out[i] * a.sin()));
             assert_eq!((s.half_width, s.r_min, s.r_max), (12.5_f64.to_radians(), 0.17, 5.0));
-            assert_eq!((s.hit_range, s.no_echo_range, s.epsilon), (3.0, 1.5, None));
+            assert_eq!((s.hit_range, s.no_echo_range, s.epsilon), (2.0, 1.25, None));
         }
         let laser = preset("sonar_ring_8.laser").unwrap()[0].complete(0).unwrap();
         assert_eq!((laser.kind, laser.r_min, laser.r_max, laser.hit_range), (Kind::Laser, 0.05, 80.0, 80.0));

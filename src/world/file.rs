@@ -10,6 +10,7 @@ use super::shape::{Arc, SURFACES, Surface, Wall};
 use super::text::{Part, Text};
 use super::{World, index};
 use crate::Result;
+use sha2::{Digest, Sha256};
 use std::f64::consts::TAU;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
@@ -96,11 +97,12 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<World> {
     path::check(&way, &index, &lines, path)?;
     let mut corners = corners(&index);
     corners.sort_by(|a, b| a.at.0.total_cmp(&b.at.0).then(a.at.1.total_cmp(&b.at.1)));
+    let sha256 = Sha256::digest(source).iter().map(|byte| format!("{byte:02x}")).collect();
     let name = match top.word("name")? {
         Some((name, _)) => name.to_string(),
         None => path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default(),
     };
-    Ok(World { name, classes: b.classes, index, corners, stops: way.stops, rig, bounds })
+    Ok(World { name, classes: b.classes, index, corners, stops: way.stops, rig, bounds, sha256 })
 }
 
 /// The tables of a name: `[name]` or every `[[name]]`.

@@ -1,8 +1,6 @@
 //! Made-up worlds, where the truth is known: walls, boxes and circles with a path through them, the sonar and the laser
 //! that would be heard there, and the map that ought to come out. `docs/worlds.md` describes the files.
 
-pub mod room;
-
 pub mod random;
 pub mod plane;
 pub mod shape;
@@ -46,6 +44,8 @@ pub struct World {
     index: index::Index,
     corners: Vec<Corner>,
     bounds: [f64; 4],
+    /// SHA-256 of its file, in hexadecimal.
+    pub sha256: String,
 }
 
 impl World {

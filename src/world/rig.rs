@@ -26,7 +26,7 @@ const SENSOR: [&str; 15] = [
     "noise",
     "noise_share",
 ];
-const RIG: [&str; 14] = [
+const RIG: [&str; 15] = [
     "kind",
     "radius",
     "step",
@@ -41,6 +41,7 @@ const RIG: [&str; 14] = [
     "specular",
     "spurious",
     "cross_talk",
+    "flutter",
 ];
 
 /// One transducer and how it is used in a scan.
@@ -181,10 +182,14 @@ impl Rig {
             self.physics.bounces = bounces as u8;
         }
         self.physics.specular = part.flag("specular")?.unwrap_or(self.physics.specular);
-        for (key, slot) in [("spurious", &mut self.spurious), ("cross_talk", &mut self.cross_talk)] {
+        for (key, slot, most) in [
+            ("spurious", &mut self.spurious, 0.5),
+            ("cross_talk", &mut self.cross_talk, 0.5),
+            ("flutter", &mut self.physics.flutter, 1.0),
+        ] {
             if let Some(share) = part.length(key)? {
-                if !(0.0..=0.5).contains(&share) {
-                    return Err(part.text.fail(&part.place(key), format!("{key} = {share}: takes a share, 0 to 0.5")));
+                if !(0.0..=most).contains(&share) {
+                    return Err(part.text.fail(&part.place(key), format!("{key} = {share}: takes 0 to {most}")));
                 }
                 *slot = share;
             }

@@ -15,6 +15,7 @@ fn options() -> Vec<(&'static str, Vec<&'static str>)> {
         ("map", log(&["--output", "--backend", "--memory", "--working", "--npy", "--json", "--quiet"])),
         ("verify", log(&["--backends", "--pictures", "--memory", "--json", "--quiet"])),
         ("simulate", vec!["--output", "--seed", "--rig", "--scans", "--bounces", "--no-specular", "--threads"]),
+        ("truth", vec!["--output", "--resolution", "--bounds", "--r-max", "--quiet"]),
         ("score", vec!["--truth", "--require", "--tolerance", "--decide", "--output", "--json"]),
         ("plan", log(&["--json"])),
         ("compare", vec!["--tol", "--common", "--pictures", "--json"]),

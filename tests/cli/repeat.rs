@@ -1,9 +1,7 @@
 //! The same log gives the same bytes: run after run, for any batch and any number of threads.
 
 use crate::common::Place;
-use echogrid::log::Writer;
 use echogrid::method::REGISTRY;
-use echogrid::world::room;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -46,15 +44,10 @@ fn same(place: &Place, a: &str, b: &str) {
 #[test]
 fn runs_batches_and_threads() {
     let place = Place::new();
-    let (sensors, records) = room::records(3).unwrap();
-    let mut log = Vec::new();
-    let mut writer = Writer::new(&mut log, &sensors, &[]).unwrap();
-    for record in records.iter().take(900) {
-        writer.write(record).unwrap();
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/room.toml");
+    for log in ["room.jsonl", "same.jsonl"] {
+        place.does(&["simulate", world, "-o", log, "--seed", "3", "--quiet"]);
     }
-    writer.finish().unwrap();
-    place.write("room.jsonl", &log);
-    place.write("same.jsonl", &log);
     for entry in REGISTRY.iter().filter(|e| e.name != "truth") {
         let map = |log: &str, folder: &str, more: &[&str]| {
             let fixed = ["map", log, "-o", folder, "-m", entry.name, "--backend", "cpu", "--npy", "--quiet"];

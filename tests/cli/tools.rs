@@ -236,28 +236,40 @@ fn bench_refuses_truth_and_keeps_its_columns() {
 }
 
 #[test]
-fn demo_maps_a_room_by_every_method() {
+fn demo_maps_and_scores_a_corridor_by_every_method() {
     let place = Place::new();
     let ran = place.does(&["demo", "-o", "deep/demo", "--backend", "cpu"]);
     let lines: Vec<&str> = ran.out.lines().collect();
-    assert_eq!(lines[0], "A ring of eight sonars, driven round a room of 5 × 4 m: 4480 readings in 560 scans.");
-    assert_eq!(lines[2], "method            backend      ms  M updates  occupied  empty  walls found  walls freed");
-    let methods: Vec<&str> = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth").collect();
-    for (line, method) in lines[3..].iter().zip(&methods) {
+    assert_eq!(lines[0], "A sonar turns in a bent corridor: 4800 readings in 24 scans, 59 % without an echo.");
+    assert_eq!(lines[2], "map               backend      ms  M updates  accuracy  walls found  precision  danger");
+    let mut names: Vec<&str> = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth").collect();
+    names.push("bayes-2m");
+    let mut dangers = Vec::new();
+    for (line, name) in lines[3..].iter().zip(&names) {
         let row: Vec<&str> = line.split_whitespace().collect();
-        assert_eq!((row[0], row[1]), (*method, "cpu"), "{line}");
+        assert_eq!((row[0], row[1], row.len()), (*name, "cpu", 8), "{line}");
         let number = |k: usize| row[k].parse::<f64>().unwrap();
-        assert!(number(3) > 0.0 && number(4) > 0.0 && number(5) > 0.0, "{line}");
-        assert!(number(6) > number(8), "{line}: more walls are found than freed");
-        assert!(place.path(&format!("deep/demo/{method}/map.png")).exists());
+        assert!(number(3) > 0.0 && number(4) > 0.9 && (4..8).all(|k| (0.0..=1.0).contains(&number(k))), "{line}");
+        assert!(place.path(&format!("deep/demo/{name}/map.png")).exists());
+        assert!(place.path(&format!("deep/demo/score/{name}.errors.png")).exists());
+        // the table's figures are those of `echogrid score`
+        let folder = format!("deep/demo/{name}");
+        let json = place.does(&["score", &folder, "--truth", "deep/demo/bend.toml", "--json"]).json();
+        let danger = json["maps"][0]["danger"].as_f64().unwrap();
+        assert_eq!(row[7], format!("{danger:.3}"));
+        dangers.push(danger);
     }
+    // what the text under the table says
+    assert!(dangers[4] < 0.5 * dangers[2], "{dangers:?}");
     let seconds = ran.out.split(" In ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
     assert!(seconds < 10.0, "{seconds} s");
-    let mut names: Vec<&str> = methods;
-    names.push("room.jsonl");
+    let page = std::fs::read_to_string(place.path("deep/demo/score/score.html")).unwrap();
+    assert!(ran.out.contains("Look at deep/demo/score/score.html, then map a log of your own"), "{}", ran.out);
+    assert!(names.iter().all(|n| page.contains(&format!("<h2>{n} "))), "a map is missing in score.html");
+    names.extend(["bend.jsonl", "bend.toml", "score"]);
     names.sort_unstable();
     assert_eq!(place.names("deep/demo"), names);
     // Its log is one to try things on, and a second demo replaces the first.
-    place.does(&["plan", "deep/demo/room.jsonl"]);
+    place.does(&["plan", "deep/demo/bend.jsonl"]);
     place.does(&["demo", "-o", "deep/demo", "--backend", "cpu"]);
 }

@@ -3,21 +3,22 @@
 use crate::common::*;
 use echogrid::grid::{Data, GridSpec, Map};
 use echogrid::score::{Options, Truth, score};
-use echogrid::world::{World, room, true_map};
+use echogrid::world::{World, true_map};
 use std::path::Path;
 
-/// The demo's room, its true classes on a grid.
-fn room_truth() -> Truth {
-    let draw = Box::new(|grid: &GridSpec| Ok(room::truth(grid)));
-    Truth::World { bounds: [0.0, 0.0, 5.0, 4.0], r_max: 1.0, draw }
+/// A world that ships with the project.
+fn shipped(name: &str) -> World {
+    World::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds").join(name)).unwrap()
 }
 
 #[test]
 fn the_truth_is_perfect_and_its_negative_all_danger() {
-    let grid = GridSpec::around([-1.5, -1.5, 6.5, 5.5], 0.05).unwrap();
-    let truth = room::truth(&grid);
+    let world = shipped("cartons.toml");
+    let grid = GridSpec::around([-2.0, -2.0, 13.0, 5.0], 0.05).unwrap();
+    let class = true_map(&world, &world.scans(), &grid, 1.0);
+    let truth = Truth::of_world(world, Some(1.0)).unwrap();
     let on = |class: Vec<i8>| Map { grid, ..map_at(0, 0, grid.width, &class) };
-    let same = scored(&on(truth.clone()), &room_truth());
+    let same = scored(&on(class.clone()), &truth);
     let n = &same.numbers;
     assert_eq!((n.levels[0], n.zones.z1), (n.cells, n.cells));
     assert_eq!(
@@ -27,9 +28,10 @@ fn the_truth_is_perfect_and_its_negative_all_danger() {
     assert_eq!((n.quality.brier, n.quality.auc, n.quality.ece), (Some(0.0), Some(1.0), Some(0.0)));
     assert!(n.quality.log_loss.unwrap() < 1e-5 && n.occupied > 100);
     let near = same.near.as_ref().unwrap();
-    assert_eq!((n.cells, near.cells), (140 * 120, 120 * 100));
+    // the box 0.02..10.52 by 0.03..2.61, wider by 1 m and by 0.5 m: outward to whole cells, or by their centres
+    assert_eq!((n.cells, near.cells), (251 * 93, 230 * 71));
 
-    let negative = scored(&on(truth.iter().map(|c| -c).collect()), &room_truth());
+    let negative = scored(&on(class.iter().map(|c| -c).collect()), &truth);
     let n = &negative.numbers;
     assert_eq!((n.danger, n.accuracy, n.quality.auc), (Some(1.0), Some(0.0), Some(0.0)));
     assert_eq!(n.zones.z5, n.occupied);

@@ -1,0 +1,78 @@
+//! `echogrid truth`: a world's true map, as a map's folder like any other.
+
+use super::common::{bounds, metres, number};
+use super::say;
+use crate::grid::GridSpec;
+use crate::layers::of_classes;
+use crate::output::{self, Folder, LogInfo, RunInfo};
+use crate::score::{reach, wider};
+use crate::world::{World, true_map};
+use crate::{Result, memory};
+use std::path::PathBuf;
+
+/// Bytes a cell: two layers, their pictures, the surfaces' cells.
+const CELL: u64 = 16;
+
+/// Arguments of `truth`.
+#[derive(Debug, clap::Args)]
+pub struct Command {
+    /// The world: a TOML file, such as worlds/room.toml
+    world: PathBuf,
+    /// Folder of the map; an echogrid map there is replaced when the new one is complete
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Edge of a cell: metres, or with mm, cm, m
+    #[arg(short, long, value_name = "LENGTH", default_value = "0.05", value_parser = metres, allow_hyphen_values = true)]
+    resolution: f64,
+    /// Bounds in metres [default: the world's box and the range around it]
+    #[arg(short, long, value_name = "X0,Y0,X1,Y1", value_delimiter = ',', num_args = 1, value_parser = number, allow_hyphen_values = true)]
+    bounds: Option<Vec<f64>>,
+    /// How far is seen, metres [default: the farthest range of the world's sonars]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
+    r_max: Option<f64>,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+impl Command {
+    /// Draws the true map.
+    pub fn run(self) -> Result<u8> {
+        let bounds = bounds(self.bounds.as_deref(), self.resolution)?;
+        let world = World::open(&self.world)?;
+        let r_max = reach(&world, self.r_max)?;
+        let grid = match bounds {
+            Some(bounds) => GridSpec::from_bounds(bounds, self.resolution)?,
+            None => GridSpec::around(wider(world.bounds(), r_max), self.resolution)?,
+        };
+        memory::check(grid.cells() as u64 * CELL, None, &grid)?;
+        let folder = Folder::prepare(&self.output)?;
+        let class = true_map(&world, &world.scans(), &grid, r_max);
+        let info = RunInfo {
+            parameters: output::parameters([("resolution", grid.resolution.to_string()), ("r_max", r_max.to_string())]),
+            log: LogInfo { path: self.world.display().to_string(), sha256: world.sha256.clone() },
+            backend: "cpu".into(),
+            ..RunInfo::default()
+        };
+        let map = of_classes(grid, "world", class);
+        let Some(combined) = map.layer("class").cloned() else { return Ok(0) };
+        let report = output::write_map(&folder, &map, &combined, &info, false)?;
+        let place = folder.finish()?;
+        if !self.quiet {
+            let c = &report.cells;
+            say!(
+                "{}, seen from {} places up to {r_max} m: {} × {} cells of {} m; {} occupied, {} empty, {} unknown",
+                world.name,
+                world.stops.len(),
+                c.width,
+                c.height,
+                c.resolution,
+                c.occupied,
+                c.empty,
+                c.unknown
+            );
+            say!("{}", place.join("map.png").display());
+        }
+        Ok(0)
+    }
+}
