@@ -154,3 +154,60 @@ fn every_shipped_world_opens_and_every_rig_reads_it() {
         }
     }
 }
+
+/// A world of these shapes, heard from (1, 1) by one sonar that looks along `heading`, degrees, without noise.
+fn heard(shapes: &str, heading: f64, more: &str) -> f64 {
+    let text = format!(
+        "{shapes}\n[path]\nposes = [[1, 1, \"{heading}deg\"]]\n[rig]\nnoise = 0\nnoise_share = 0\nspurious = 0\n\
+         cross_talk = 0\nflutter = 0\n{more}\n[[sensor]]\nid = \"s\"\nhalf_width = \"15deg\"\nr_min = 0.15\nr_max = 5\n"
+    );
+    let world = World::parse(Path::new("one.toml"), &text).unwrap();
+    scan(&world, &world.rig, 1, 0)[0].range
+}
+
+#[test]
+fn one_echo_at_a_time() {
+    let wall = |x: f64| format!("[[wall]]\npoints = [[{x}, 0], [{x}, 2]]\n");
+    assert_eq!(heard(&wall(3.0), 0.0, ""), 2.0);
+    assert_eq!(heard(&wall(3.0), 180.0, ""), f64::INFINITY);
+    // the nearest thing in the cone hides the rest, also where it is too near to be measured
+    let two = format!("{}{}", wall(1.1), wall(3.0));
+    assert_eq!(heard(&two, 0.0, "specular = false"), f64::INFINITY);
+    assert_eq!(heard(&wall(3.0), 0.0, "specular = false"), 2.0);
+    // a whole circle however its angles are written; none is no circle
+    for angles in
+        ["", "from = 0\nto = \"360deg\"\n", "from = \"-180deg\"\nto = \"180deg\"\n", "from = 0\nto = \"720deg\"\n"]
+    {
+        let circle = format!("[[circle]]\ncentre = [3, 1]\nradius = 0.5\n{angles}");
+        assert_eq!(heard(&circle, 0.0, ""), 1.5, "{angles}");
+    }
+    // a part of a circle is thin: it answers on its outer side, and on its inner one
+    let arc = |from: f64, to: f64| {
+        format!("[[circle]]\ncentre = [2.5, 1]\nradius = 0.5\nfrom = \"{from}deg\"\nto = \"{to}deg\"\n")
+    };
+    assert_eq!(heard(&arc(90.0, 270.0), 0.0, ""), 1.0);
+    assert_eq!(heard(&arc(-90.0, 90.0), 0.0, ""), 2.0);
+    // a smooth wall aslant by more than the beam sends nothing back, a rough one does, from where the beam meets it
+    let slant = "[[wall]]\npoints = [[1.8, 0], [3.2, 2]]\n";
+    assert_eq!(heard(slant, 0.0, ""), f64::INFINITY);
+    let rough = heard(&format!("{slant}surface = \"diffuse\"\n"), 0.0, "");
+    assert!((1.2..1.5).contains(&rough), "{rough}");
+    let ball = "[[circle]]\ncentre = [2.5, 1]\nradius = 0.5\nsurface = \"diffuse\"\n";
+    assert!((heard(ball, 0.0, "") - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn a_hair_of_overlap_costs_no_corner() {
+    // the corridor's cooler, pushed into its wall or pulled off it by less than a millimetre
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/bend.toml")).unwrap();
+    let missing = |y: &str| {
+        let world =
+            World::parse(Path::new("bend.toml"), &text.replace("[4.215, 0.219]", &format!("[4.215, {y}]"))).unwrap();
+        let all = (0..world.stops.len() as u64).flat_map(|k| scan(&world, &clean("dense"), 1, k));
+        all.filter(|r| r.range == f64::INFINITY).count() as f64
+    };
+    let flush = missing("0.22");
+    for y in ["0.215", "0.2191", "0.2195", "0.2199", "0.2200001", "0.2205", "0.2209"] {
+        assert!((missing(y) / flush - 1.0).abs() < 0.01, "{y}: {} missing, {flush} where it stands flush", missing(y));
+    }
+}

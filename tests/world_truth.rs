@@ -87,6 +87,48 @@ fn what_is_hidden_or_far_is_unknown() {
 }
 
 #[test]
+fn a_wall_that_the_range_only_touches_is_not_seen() {
+    let grid = GridSpec::from_bounds([-10.0, -1.0, 10.0, 7.0], 0.1).unwrap();
+    let mut state = 9u64;
+    for _ in 0..40 {
+        // two decimals, as people write them
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        let (x, y) = (((state >> 33) % 400) as f64 / 100.0 - 2.0, ((state >> 45) % 100) as f64 / 100.0);
+        let text =
+            format!("[[wall]]\npoints = [[{}, {}], [8.53, {1}]]\n[path]\nposes = [[{x}, {y}]]\n", x - 3.4, y + 5.0);
+        let world = world(&text);
+        let seen = count(&true_map(&world, &world.scans(), &grid, 5.0), 1);
+        assert!(seen <= 2, "{seen} cells of a wall 5 m off, from ({x}, {y})");
+    }
+}
+
+#[test]
+fn arcs_pass_through_the_cells_that_they_pass_through() {
+    // by a fine walk along the circle itself, from inside and outside; a quarter of it too
+    for (free, span) in [("inside", 1.0), ("outside", 1.0), ("outside", 0.25)] {
+        let part = if span < 1.0 { "from = 0\nto = \"90deg\"\n" } else { "" };
+        let poses = match free {
+            "inside" => "[[0.011, 0.013]]",
+            _ => "[[2.0, 2.1], [-2.2, 1.9], [-2.0, -2.3], [2.1, -1.8]]",
+        };
+        let text =
+            format!("[[circle]]\ncentre = [0, 0]\nradius = 0.5001\nfree = \"{free}\"\n{part}[path]\nposes = {poses}\n");
+        let world = world(&text);
+        let grid = GridSpec::from_bounds([-1.0, -1.0, 1.0, 1.0], 0.1).unwrap();
+        let map = true_map(&world, &world.scans(), &grid, 10.0);
+        let mut want = vec![false; grid.cells()];
+        let n = 2_000_000;
+        for k in 0..n {
+            let (s, c) = (std::f64::consts::TAU * span * (f64::from(k) + 0.5) / f64::from(n)).sin_cos();
+            let at = |v: f64| ((v * 0.5001 + 1.0) / 0.1).floor() as usize;
+            want[at(s) * grid.width + at(c)] = true;
+        }
+        let wrong = (0..grid.cells()).filter(|k| (map[*k] == 1) != want[*k]).count();
+        assert_eq!(wrong, 0, "{free}, {span} of a circle");
+    }
+}
+
+#[test]
 fn nothing_is_known_without_a_scan() {
     let world = room(0.0, 0.0, "");
     let grid = GridSpec::from_bounds([0.0, 0.0, 5.0, 4.0], 0.1).unwrap();

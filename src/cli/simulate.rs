@@ -1,5 +1,6 @@
 //! `echogrid simulate`: a log of a world.
 
+use super::common::threads;
 use super::say;
 use crate::world::{RIGS, Rig, World, simulate};
 use crate::{Error, Result};
@@ -34,7 +35,7 @@ pub struct Simulate {
     #[arg(long)]
     no_specular: bool,
     /// Threads; 0: one a core
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// Print nothing but errors
     #[arg(long)]

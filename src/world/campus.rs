@@ -5,8 +5,10 @@ use super::plane::Point;
 use super::random::Random;
 use super::shape::{Surface, Wall};
 use super::text::Part;
-use crate::Result;
+use crate::{Error, Result, memory};
 
+/// Memory that a block's walls, corners and stops take, bytes: measured, and a tenth more.
+const BLOCK_BYTES: u64 = 65_000;
 /// Metres from one block to the next, across and up; the street between two is `STREET` wide.
 const BLOCK: (f64, f64) = (34.0, 20.0);
 const STREET: f64 = 4.0;
@@ -32,6 +34,13 @@ impl Campus {
             Err(part.text.fail(&part.place(key), format!("{key} = {v}: a campus takes {least} to 20000 m")))
         };
         let (width, height) = (side("width", BLOCK.0 + STREET)?, side("height", BLOCK.1 + STREET)?);
+        let needed = (width * height / (BLOCK.0 * BLOCK.1)) as u64 * BLOCK_BYTES;
+        if let Some(free) = memory::available().filter(|free| needed > *free) {
+            let (needed, free) = (memory::show(needed), memory::show(free));
+            return Err(Error::Resources(format!(
+                "a campus of {width} × {height} m needs {needed}, but this machine has {free} free: make it smaller"
+            )));
+        }
         Ok(Campus { seed: part.count("seed")?.unwrap_or(1), width, height })
     }
 }

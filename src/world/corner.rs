@@ -1,112 +1,192 @@
-//! Finds the corners that walls make: at the joints of an outline or a polyline, at its ends, and where one thing stands
-//! against another.
+//! Finds the corners that walls make: wherever walls meet, cross or end, one corner or edge for each free sector between
+//! neighbouring arms.
 
 use super::index::Index;
-use super::plane::{Point, cross, distance, dot, meet, sub, times, unit};
+use super::plane::{Point, along, cross, distance, dot, from_segment, meet, nearest_share, sub, unit};
 use super::shape::{Corner, CornerKind, Wall};
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
 
-/// Points nearer than this are one, metres.
-const SAME: f64 = 1e-3;
-/// A joint that turns by less than this (sine) is part of a curve.
+/// Walls nearer than this join, metres.
+pub(crate) const SAME: f64 = 1e-3;
+/// A joint that turns by less than this, radians, is part of a curve.
 const STRAIGHT: f64 = 0.035;
 /// Cosine of 86°: corners this near to square return every sound.
 const SQUARE: f64 = 0.069_756_473_744_125_3;
 
-/// Every corner of the walls, in the walls' order.
+/// A wall's way from a vertex: its direction, and which of its sides are free as seen along it.
+#[derive(Debug, Clone, Copy)]
+struct Arm<'a> {
+    direction: Point,
+    angle: f64,
+    wall: &'a Wall,
+    free_left: bool,
+    free_right: bool,
+}
+
+/// Every corner of the walls, vertex by vertex in the walls' order.
 pub(crate) fn corners(index: &Index) -> Vec<Corner> {
-    let mut found = Vec::new();
+    let mut vertices = Vertices::default();
     for (i, wall) in index.walls.iter().enumerate() {
-        let others: Vec<usize> = {
-            let middle = times((wall.a.0 + wall.b.0, wall.a.1 + wall.b.1), 0.5);
-            let reach = distance(wall.a, wall.b) / 2.0 + SAME;
-            index
-                .near(middle, reach)
-                .into_iter()
-                .map(|k| k as usize)
-                .filter(|&k| k != i && k < index.walls.len())
-                .collect()
-        };
-        for &k in others.iter().filter(|&&k| k > i) {
-            if let Some(at) = touch(wall, &index.walls[k]) {
-                wedges(at, wall, &index.walls[k], &mut found);
+        let reach = distance(wall.a, wall.b) / 2.0 + SAME;
+        let near = index.near(along(wall.a, wall.b, 0.5), reach);
+        let others = near.into_iter().map(|k| k as usize).filter(|&k| k > i && k < index.walls.len());
+        for k in others {
+            if let Some(at) = joint(wall, &index.walls[k]) {
+                vertices.add(at, i);
+                vertices.add(at, k);
             }
         }
-        for (end, other) in [(wall.a, wall.b), (wall.b, wall.a)] {
-            // an edge where nothing goes on, or where one other wall turns away; the first of the two walls lists it
-            let here: Vec<usize> = others.iter().copied().filter(|&k| touches(end, &index.walls[k])).collect();
-            let arm = unit(sub(other, end));
-            match here[..] {
-                [] => found.push(edge(end, [arm, arm], wall, wall)),
-                [k] if k > i => {
-                    let next = &index.walls[k];
-                    let far = if distance(next.a, end) < SAME {
-                        next.b
-                    } else if distance(next.b, end) < SAME {
-                        next.a
-                    } else {
-                        continue;
-                    };
-                    let second = unit(sub(far, end));
-                    let middle = (arm.0 + second.0, arm.1 + second.1);
-                    // solid between the arms, or thin walls: the outer side is convex
-                    let bulges = !wall.faces((end.0 + SAME * middle.0, end.1 + SAME * middle.1)) || wall.thin;
-                    if bulges && cross(arm, second).abs() > STRAIGHT {
-                        found.push(edge(end, [arm, second], wall, next));
-                    }
-                }
-                _ => {}
-            }
-        }
+        [wall.a, wall.b].into_iter().for_each(|end| vertices.add(end, i));
+    }
+    let mut found = Vec::new();
+    for (at, walls) in &vertices.all {
+        sectors(*at, walls.iter().map(|k| &index.walls[*k]), &mut found);
     }
     found
 }
 
-fn edge(at: Point, arms: [Point; 2], one: &Wall, two: &Wall) -> Corner {
-    let keeps = one.surface.reflection().min(two.surface.reflection()) / 0.95;
-    Corner { at, kind: CornerKind::Edge, arms, keeps, class: one.class.or(two.class) }
+/// Places where walls join or end, each with its walls; places nearer than [`SAME`] are one.
+#[derive(Default)]
+struct Vertices {
+    all: Vec<(Point, Vec<usize>)>,
+    buckets: HashMap<(i64, i64), Vec<usize>>,
 }
 
-fn touches(p: Point, wall: &Wall) -> bool {
-    super::plane::from_segment(p, wall.a, wall.b) < SAME
-}
-
-/// Where two walls meet, if they do.
-fn touch(one: &Wall, two: &Wall) -> Option<Point> {
-    for (p, other) in [(one.a, two), (one.b, two), (two.a, one), (two.b, one)] {
-        if touches(p, other) {
-            return Some(p);
+impl Vertices {
+    fn add(&mut self, at: Point, wall: usize) {
+        let key = ((at.0 / SAME).floor() as i64, (at.1 / SAME).floor() as i64);
+        let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (key.0 + i, key.1 + j)));
+        let known = around.filter_map(|k| self.buckets.get(&k)).flatten();
+        match known.copied().find(|v| distance(self.all[*v].0, at) < SAME) {
+            Some(v) if self.all[v].1.contains(&wall) => {}
+            Some(v) => self.all[v].1.push(wall),
+            None => {
+                self.buckets.entry(key).or_default().push(self.all.len());
+                self.all.push((at, vec![wall]));
+            }
         }
     }
-    let (t, u) = meet(one.a, one.b, two.a, two.b)?;
-    let on = |t: f64| (0.0..=1.0).contains(&t);
-    (on(t) && on(u)).then(|| super::plane::along(one.a, one.b, t))
 }
 
-/// The concave corners at `at`: an arm of each wall, with the free side of both between them.
-fn wedges(at: Point, one: &Wall, two: &Wall, found: &mut Vec<Corner>) {
-    let arms = |w: &Wall| {
-        [w.a, w.b].into_iter().filter(|e| distance(*e, at) > 2.0 * SAME).map(|e| unit(sub(e, at))).collect::<Vec<_>>()
+/// Where two walls meet, if they do: where they cross, else on one where the other ends before it.
+fn joint(one: &Wall, two: &Wall) -> Option<Point> {
+    let on = |t: f64| (0.0..=1.0).contains(&t);
+    if let Some((t, u)) = meet(one.a, one.b, two.a, two.b)
+        && on(t)
+        && on(u)
+    {
+        return Some(along(one.a, one.b, t));
+    }
+    let ends = [(one.a, two), (one.b, two), (two.a, one), (two.b, one)];
+    let (end, other) = ends.into_iter().find(|(p, w)| from_segment(*p, w.a, w.b) < SAME)?;
+    Some(along(other.a, other.b, nearest_share(end, other.a, other.b)))
+}
+
+/// The corners and edges about a vertex.
+fn sectors<'a>(at: Point, walls: impl Iterator<Item = &'a Wall>, found: &mut Vec<Corner>) {
+    let mut arms: Vec<Arm<'a>> = Vec::new();
+    for wall in walls {
+        for (end, to_b) in [(wall.a, false), (wall.b, true)] {
+            if distance(end, at) > 2.0 * SAME {
+                let direction = unit(sub(end, at));
+                let angle = direction.1.atan2(direction.0);
+                // a wall's free side is to the left of the way to b
+                let (free_left, free_right) = (wall.thin || to_b, wall.thin || !to_b);
+                arms.push(Arm { direction, angle, wall, free_left, free_right });
+            }
+        }
+    }
+    arms.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+    // walls that lie on one another are one arm, free where all of them are
+    let mut merged: Vec<Arm<'a>> = Vec::new();
+    for arm in arms {
+        let same = |m: &&mut Arm<'_>| {
+            cross(m.direction, arm.direction).abs() < STRAIGHT && dot(m.direction, arm.direction) > 0.0
+        };
+        match merged.iter_mut().find(same) {
+            Some(m) => (m.free_left, m.free_right) = (m.free_left && arm.free_left, m.free_right && arm.free_right),
+            None => merged.push(arm),
+        }
+    }
+    for (k, right) in merged.iter().enumerate() {
+        let left = &merged[(k + 1) % merged.len()];
+        let angle = if merged.len() == 1 { TAU } else { (left.angle - right.angle).rem_euclid(TAU) };
+        if right.free_left && left.free_right && (angle - PI).abs() > STRAIGHT {
+            found.push(corner(at, right, left, angle));
+        }
+    }
+}
+
+fn corner(at: Point, right: &Arm<'_>, left: &Arm<'_>, angle: f64) -> Corner {
+    let (one, two) = (right.wall.surface.reflection() / 0.95, left.wall.surface.reflection() / 0.95);
+    let (kind, keeps) = match () {
+        () if angle > PI => (CornerKind::Edge, one.min(two)),
+        () if angle.cos().abs() <= SQUARE => (CornerKind::Right, one * two),
+        () => (CornerKind::Concave, one * two),
     };
-    for u in arms(one) {
-        for v in arms(two) {
-            let turn = cross(u, v);
-            if turn.abs() < STRAIGHT {
-                continue;
-            }
-            let middle = unit((u.0 + v.0, u.1 + v.1));
-            let inside = (at.0 + SAME * middle.0, at.1 + SAME * middle.1);
-            if !one.faces(inside) || !two.faces(inside) {
-                continue;
-            }
-            let square = dot(u, v).abs() <= SQUARE;
-            let both = one.surface.reflection() * two.surface.reflection() / (0.95 * 0.95);
-            found.push(Corner {
-                at,
-                kind: if square { CornerKind::Right } else { CornerKind::Concave },
-                arms: if turn > 0.0 { [u, v] } else { [v, u] },
-                keeps: both,
-                class: one.class.or(two.class),
-            });
+    let class = right.wall.class.or(left.wall.class);
+    Corner { at, kind, arms: [right.direction, left.direction], keeps, class }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::shape::Surface;
+
+    fn wall(a: Point, b: Point, thin: bool) -> Wall {
+        Wall { a, b, surface: Surface::Specular, class: None, thin }
+    }
+
+    /// The kinds found: right-angled, other concave, edges.
+    fn kinds(walls: Vec<Wall>) -> [usize; 3] {
+        let found = corners(&Index::new(walls, Vec::new()));
+        [CornerKind::Right, CornerKind::Concave, CornerKind::Edge].map(|k| found.iter().filter(|c| c.kind == k).count())
+    }
+
+    fn thin(points: &[Point]) -> Vec<Wall> {
+        points.windows(2).map(|p| wall(p[0], p[1], true)).collect()
+    }
+
+    fn room() -> Vec<Wall> {
+        let p = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)];
+        (0..4).map(|k| wall(p[k], p[(k + 1) % 4], false)).collect()
+    }
+
+    #[test]
+    fn by_hand() {
+        assert_eq!(kinds(room()), [4, 0, 0]);
+        // seen from outside: four edges
+        assert_eq!(kinds(room().into_iter().map(|w| wall(w.b, w.a, false)).collect()), [0, 0, 4]);
+        // a thin wall: an edge at either end; bent squarely: a right-angled corner inside, an edge outside
+        assert_eq!(kinds(thin(&[(0.0, 0.0), (1.0, 0.0)])), [0, 0, 2]);
+        assert_eq!(kinds(thin(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)])), [1, 0, 3]);
+        assert_eq!(kinds(thin(&[(0.0, 0.0), (1.0, 0.0), (1.5, 1.0)])), [0, 1, 3]);
+        // nearly straight: no corner
+        assert_eq!(kinds(thin(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.02)])), [0, 0, 2]);
+        // a T, and a cross
+        let cross = [thin(&[(0.0, 0.0), (2.0, 0.0)]), thin(&[(1.0, -1.0), (1.0, 1.0)])].concat();
+        assert_eq!(kinds(cross), [4, 0, 4]);
+        assert_eq!(kinds([thin(&[(0.0, 0.0), (2.0, 0.0)]), thin(&[(1.0, 0.0), (1.0, 1.0)])].concat()), [2, 0, 3]);
+        // a partition out of a room's corner leaves two sharp ones, none of them square
+        assert_eq!(kinds([room(), thin(&[(0.0, 0.0), (1.0, 0.8)])].concat()), [3, 2, 1]);
+        // three walls from one point: two of the sectors are concave, one is convex
+        assert_eq!(
+            kinds([thin(&[(0.0, 0.0), (1.0, 0.0)]), thin(&[(0.7, 0.7), (0.0, 0.0), (-0.5, 1.0)])].concat()),
+            [0, 2, 4]
+        );
+    }
+
+    #[test]
+    fn a_box_against_a_wall_whatever_the_hair_between() {
+        for gap in [-0.002, -0.000_9, -0.000_5, -1e-9, 0.0, 1e-9, 0.000_5, 0.000_9] {
+            let p = [(1.0, gap), (1.0, 1.0), (2.0, 1.0), (2.0, gap)];
+            let solid: Vec<Wall> = (0..4).map(|k| wall(p[k], p[(k + 1) % 4], false)).collect();
+            let index = Index::new([room(), solid].concat(), Vec::new());
+            let found = corners(&index);
+            let square = found.iter().filter(|c| c.kind == CornerKind::Right);
+            let on_floor = square.filter(|c| c.at.1.abs() < 1e-12 && (c.at.0 - 1.5).abs() < 0.51);
+            assert_eq!(on_floor.count(), 2, "gap {gap}: {found:?}");
         }
     }
 }

@@ -5,7 +5,8 @@
 //! the beam's axis. The shortest echo of at least A(r_max)/1.5 is heard.
 
 use super::cone;
-use super::index::{Index, crossing};
+use super::corner::SAME;
+use super::index::{Index, TRIM, crossing};
 use super::plane::{Point, Wedge, add, distance, dot, from_segment, length, meet, mirror, sub, times, unit};
 use super::random::Random;
 use super::shape::{Arc, Corner, Surface, Wall};
@@ -157,9 +158,7 @@ impl Scene {
         self.point_echoes(ping, worth, &mut echoes);
         self.arc_echoes(ping, worth, &mut echoes);
         super::image::echoes(self, ping, worth, &mut echoes);
-        for wall in self.walls.iter().filter(|w| w.surface == Surface::Diffuse) {
-            echoes.extend(cone::scattered(ping, wall));
-        }
+        self.scattered_echoes(ping, least, random, &mut echoes);
         echoes.retain(|e| e.d >= ping.r_min && e.d <= ping.r_max && e.amplitude >= worth);
         echoes.sort_unstable_by(|a, b| a.d.total_cmp(&b.d).then(a.amplitude.total_cmp(&b.amplitude)));
         let heard = echoes.iter().find(|e| {
@@ -173,20 +172,23 @@ impl Scene {
     fn sees(&self, at: Point, echo: &Echo) -> bool {
         let way = &echo.way[..echo.events];
         let mut from = at;
-        for &to in way {
-            if !self.clear(from, to) {
+        for (k, &to) in way.iter().enumerate() {
+            // walls that make a corner may overlap by a hair
+            let end = if k + 1 == way.len() && !echo.round { 1.1 * SAME } else { TRIM };
+            if !self.clear(from, to, end) {
                 return false;
             }
             from = to;
         }
-        !echo.round || self.clear(from, at)
+        !echo.round || self.clear(from, at, TRIM)
     }
 
-    fn clear(&self, p: Point, q: Point) -> bool {
+    /// Whether nothing stands between two points, but for what is within `end` metres of the second.
+    fn clear(&self, p: Point, q: Point, end: f64) -> bool {
         let d = sub(q, p);
-        let trim = 1e-4 / length(d);
-        let blocks = |t: f64| t > trim && t < 1.0 - trim;
-        trim >= 0.5
+        let (low, high) = (TRIM / length(d), 1.0 - end / length(d));
+        let blocks = |t: f64| t > low && t < high;
+        low >= high
             || !(self.walls.iter().any(|w| blocks(crossing(w, p, q)))
                 || self.arcs.iter().any(|a| a.meets(p, d).into_iter().any(blocks)))
     }
@@ -213,14 +215,19 @@ impl Scene {
             let arc = &round.arc;
             let centre = distance(ping.at, round.image);
             let out = unit(sub(ping.at, round.image));
-            // the nearest point; inside a hollow one the farthest too
-            for sign in if arc.inside { [1.0, -1.0] } else { [1.0, 0.0] } {
-                if sign == 0.0 || (centre <= arc.radius) != arc.inside {
+            let within = centre <= arc.radius;
+            if arc.whole() && within != arc.inside {
+                continue;
+            }
+            // the near point, and the far one where the arc is hollow towards the sound or open
+            for near in [true, false] {
+                if !near && arc.whole() && !within {
                     continue;
                 }
-                let seems = add(round.image, times(out, sign * arc.radius));
+                let seems = add(round.image, times(out, if near { arc.radius } else { -arc.radius }));
                 let Some((d, gain)) = ping.towards(seems) else { continue };
-                let bend = if arc.inside { 1.0 } else { (arc.radius / (arc.radius + d)).sqrt() };
+                let bulges = near && !within;
+                let bend = if bulges { (arc.radius / (arc.radius + d)).sqrt() } else { 1.0 };
                 let amplitude = gain * gain * loss(d) * round.keeps * bend * arc.surface.reflection() / 0.95;
                 if amplitude < worth {
                     continue;
@@ -233,6 +240,24 @@ impl Scene {
                 if arc.spans(sub(at, arc.centre)) {
                     echoes.push(Echo { d, amplitude, way, events, round: false, class: arc.class });
                 }
+            }
+        }
+    }
+
+    /// Where rough surfaces send sound back: of each the nearest place that is heard, its flutter drawn once.
+    fn scattered_echoes(&self, ping: &Ping, least: f64, random: &mut Random, echoes: &mut Vec<Echo>) {
+        let walls = self.walls.iter().filter(|w| w.surface == Surface::Diffuse).map(|w| cone::on_wall(ping, w));
+        let arcs = self.arcs.iter().filter(|a| a.surface == Surface::Diffuse).map(|a| cone::on_arc(ping, a));
+        for mut places in walls.chain(arcs) {
+            if places.is_empty() {
+                continue;
+            }
+            let flutter = (self.physics.flutter * random.normal()).exp();
+            places.retain(|e| e.d >= ping.r_min && e.amplitude * flutter >= least);
+            places.sort_unstable_by(|a, b| a.d.total_cmp(&b.d));
+            if let Some(heard) = places.into_iter().find(|e| self.sees(ping.at, e)) {
+                // loud enough already: no flutter of the list's own may silence it
+                echoes.push(Echo { amplitude: f64::INFINITY, ..heard });
             }
         }
     }

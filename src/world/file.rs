@@ -32,13 +32,19 @@ struct Builder<'a> {
 
 /// Parses and checks a world; `path` is for messages.
 pub(crate) fn parse(path: &Path, source: &str) -> Result<World> {
-    let text = Text { path, text: source };
+    let text = Text::new(path, source);
     let root = DeTable::parse(source)
         .map_err(|e| text.fail(&e.span().unwrap_or_default(), format!("not TOML: {}", e.message())))?;
     let top = Part { text: &text, name: "a world", table: root.get_ref(), at: 0..0 };
     top.check(&TOP)?;
     let classes = top.words("classes")?;
     let declared = !classes.is_empty();
+    for (k, class) in classes.iter().enumerate() {
+        if class.is_empty() || classes[..k].contains(class) {
+            let what = format!("classes: {class:?} stands twice or is empty: give each class a name of its own");
+            return Err(text.fail(&top.place("classes"), what));
+        }
+    }
     let mut b = Builder {
         text: &text,
         classes,
@@ -95,6 +101,8 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<World> {
     let lines: Vec<u64> = b.wall_lines.iter().chain(&b.arc_lines).copied().collect();
     let index = Index::new(b.walls, b.arcs);
     path::check(&way, &index, &lines, path)?;
+    let place = top.get("path").or(top.get("campus")).map_or(0..0, |v| v.span());
+    rig.check(&index, &way.stops).map_err(|what| text.fail(&place, what))?;
     let mut corners = corners(&index);
     corners.sort_by(|a, b| a.at.0.total_cmp(&b.at.0).then(a.at.1.total_cmp(&b.at.1)));
     let sha256 = Sha256::digest(source).iter().map(|byte| format!("{byte:02x}")).collect();
@@ -127,6 +135,9 @@ impl Builder<'_> {
 
     fn class(&mut self, part: &Part<'_>) -> Result<Option<u16>> {
         let Some((name, at)) = part.word("class")? else { return Ok(None) };
+        if name.is_empty() {
+            return Err(self.text.fail(&at, "class is empty: give it a name, or leave it out"));
+        }
         let known = self.classes.iter().position(|c| c == name);
         if known.is_none() && self.declared {
             let names: Vec<&str> = self.classes.iter().map(String::as_str).collect();
@@ -197,6 +208,10 @@ impl Builder<'_> {
         let (surface, class) = (self.surface(part)?, self.class(part)?);
         let n = corners.len();
         let area: f64 = (0..n).map(|k| cross(corners[k], corners[(k + 1) % n])).sum();
+        if area.abs() < SHORTEST * SHORTEST {
+            let what = "it encloses nothing: all its points lie on one line; make it a [[wall]]";
+            return Err(self.text.fail(&part.at, what));
+        }
         for k in 0..n {
             let (p, q) = (corners[k], corners[(k + 1) % n]);
             let (a, b) = if (area > 0.0) == inside { (p, q) } else { (q, p) };
@@ -242,11 +257,14 @@ impl Builder<'_> {
         }
         let (from, sweep) = match (part.angle("from")?, part.angle("to")?) {
             (None, None) => (0.0, TAU),
-            (Some(from), Some(to)) if from != to => (from, (to - from).rem_euclid(TAU)),
-            (Some(_), Some(_)) => {
-                return Err(self
-                    .text
-                    .fail(&part.place("to"), "an arc of zero length: leave out from and to for a whole circle"));
+            (Some(from), Some(to)) if (to - from).abs() >= TAU - 1e-9 => (from, TAU),
+            (Some(from), Some(to)) => {
+                let sweep = (to - from).rem_euclid(TAU);
+                if sweep * radius < SHORTEST {
+                    let what = "an arc of less than 1 mm: it goes from `from` to `to`, counter-clockwise; leave out both for a whole circle";
+                    return Err(self.text.fail(&part.place("to"), what));
+                }
+                (from, sweep)
             }
             _ => return Err(self.text.fail(&part.at, "an arc needs both from and to, counter-clockwise")),
         };

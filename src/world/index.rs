@@ -4,7 +4,7 @@ use super::plane::{Point, add, cross, dot, from_segment, length, meet, sub, time
 use super::shape::{Arc, Surface, Wall};
 
 /// Legs are shortened by this at both ends, metres, so that the wall on which one ends doesn't hide its own point.
-const TRIM: f64 = 1e-4;
+pub(crate) const TRIM: f64 = 1e-4;
 /// No more buckets than this.
 const BUCKETS: f64 = 4e6;
 
@@ -130,6 +130,11 @@ impl Index {
         !self.walk(p, q, &mut |item| self.shares(item, p, q).iter().any(|t| *t > trim && *t < 1.0 - trim))
     }
 
+    /// Whether nothing stands between two points, right up to the second.
+    pub(crate) fn reaches(&self, p: Point, q: Point) -> bool {
+        !self.walk(p, q, &mut |item| self.shares(item, p, q).iter().any(|t| (0.0..=1.0).contains(t)))
+    }
+
     /// What a ray of unit `direction` meets first within `reach`; `light` goes through glass unless near its normal.
     pub(crate) fn ray(&self, p: Point, direction: Point, reach: f64, light: bool) -> Option<Met> {
         let q = add(p, times(direction, reach));
@@ -148,7 +153,7 @@ impl Index {
                         let a = &self.arcs[item as usize - self.walls.len()];
                         let out = times(sub(add(p, times(direction, t * reach)), a.centre), 1.0 / a.radius);
                         let outward = dot(out, direction);
-                        let behind = a.sweep >= std::f64::consts::TAU && (outward > 0.0) != a.inside;
+                        let behind = a.whole() && (outward > 0.0) != a.inside;
                         (a.surface, a.class, behind, outward.abs())
                     }
                 };
@@ -161,8 +166,25 @@ impl Index {
         best
     }
 
+    /// The walls and arcs that may come within `margin` of the way from `p` to `q`, in their own order.
+    pub(crate) fn beside(&self, p: Point, q: Point, margin: f64) -> Vec<u32> {
+        let run = times(sub(q, p), margin / length(sub(q, p)).max(f64::MIN_POSITIVE));
+        let (from, to) = (sub(p, run), add(q, run));
+        let mut found = Vec::new();
+        for side in [-1.0, 0.0, 1.0] {
+            let off = (-side * run.1, side * run.0);
+            self.walk(add(from, off), add(to, off), &mut |item| {
+                found.push(item);
+                false
+            });
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// Where an item meets the way from `p` to `q`, as shares of it; NaN where it doesn't.
-    fn shares(&self, item: u32, p: Point, q: Point) -> [f64; 2] {
+    pub(crate) fn shares(&self, item: u32, p: Point, q: Point) -> [f64; 2] {
         match self.walls.get(item as usize) {
             Some(w) => [crossing(w, p, q), f64::NAN],
             None => self.arcs[item as usize - self.walls.len()].meets(p, sub(q, p)),

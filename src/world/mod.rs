@@ -54,7 +54,13 @@ impl World {
     /// # Errors
     /// [`Error::Input`] with the line and a remedy.
     pub fn open(path: &Path) -> Result<World> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::input(path, format!("world: {e}")))?;
+        let example = "give a world's TOML file, such as worlds/room.toml";
+        let bytes = std::fs::read(path).map_err(|e| Error::input(path, format!("can't be read: {e}; {example}")))?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let (good, _) = e.as_bytes().split_at(e.utf8_error().valid_up_to());
+            let line = good.iter().filter(|b| **b == b'\n').count() as u64 + 1;
+            Error::at(path, line, format!("is not UTF-8 text: {example}"))
+        })?;
         World::parse(path, &text)
     }
 

@@ -1,7 +1,7 @@
 //! Where the robot scans: along way points, one step from the next, or at given poses.
 
 use super::index::Index;
-use super::plane::{Point, along, distance, from_segment, length, sub, times};
+use super::plane::{Point, along, distance, from_segment, length, nearest_share, sub};
 use super::text::Part;
 use crate::reading::Pose;
 use crate::{Error, Result};
@@ -11,8 +11,12 @@ use std::path::Path;
 const CLEARANCE: f64 = 0.01;
 /// Whether a place is solid is asked of walls this near, metres.
 const SOLID: f64 = 50.0;
+/// The directions in which it is asked: three odd ones, that graze no corner of a drawn world.
+const LOOK: [Point; 3] = [(0.958_3, 0.285_7), (-0.731_9, 0.681_4), (-0.176_3, -0.984_3)];
 /// No path has more scans.
-const MOST: f64 = 1e8;
+const MOST: f64 = 1e7;
+/// The slowest robot, m/s.
+const SLOWEST: f64 = 1e-3;
 
 /// A stop: seconds since the start, and the robot's pose.
 pub type Stop = (f64, Pose);
@@ -29,6 +33,14 @@ pub(crate) struct Way {
 /// Reads `[path]`.
 pub(crate) fn read(part: &Part<'_>) -> Result<Way> {
     part.check(&["points", "step", "speed", "poses", "period"])?;
+    for (key, with, other) in [("step", "points", "poses"), ("speed", "points", "poses"), ("period", "poses", "points")]
+    {
+        if part.get(key).is_some() && part.get(other).is_some() {
+            return Err(part
+                .text
+                .fail(&part.place(key), format!("{key} goes with {with}, not with {other}: remove it")));
+        }
+    }
     match (part.rows("points", 2)?, part.rows("poses", 3)?) {
         (Some(points), None) => {
             if points.len() < 2 {
@@ -38,13 +50,18 @@ pub(crate) fn read(part: &Part<'_>) -> Result<Way> {
             }
             let step = part.need("step", part.positive("step")?, "0.3")?;
             let speed = part.positive("speed")?.unwrap_or(0.5);
+            if speed < SLOWEST {
+                let what = format!("speed = {speed:?} m/s: give {SLOWEST} or more");
+                return Err(part.text.fail(&part.place("speed"), what));
+            }
             let points = points.into_iter().map(|(r, at)| ((r[0], r[1]), part.text.line(&at))).collect();
             let way = Way { stops: Vec::new(), points, lines: Vec::new() };
             let total: f64 = way.points.windows(2).map(|p| distance(p[0].0, p[1].0)).sum();
             if total / step > MOST {
-                return Err(part
-                    .text
-                    .fail(&part.place("step"), format!("step {step} m makes more than 1e8 scans: give a longer one")));
+                return Err(part.text.fail(
+                    &part.place("step"),
+                    format!("step {step:?} m makes more than 1e7 scans: give a longer one"),
+                ));
             }
             Ok(way.stepped(step, speed))
         }
@@ -105,19 +122,18 @@ pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Res
     let line_of = |item: u32| lines.get(item as usize).copied().unwrap_or(0);
     for leg in way.points.windows(2) {
         let ((a, _), (b, line)) = (leg[0], leg[1]);
-        let run = distance(a, b);
-        if run == 0.0 {
-            continue;
-        }
-        if let Some(met) = index.ray(a, times(sub(b, a), 1.0 / run), run, false) {
-            let (x, y) = along(a, b, met.distance / run);
+        for item in index.beside(a, b, CLEARANCE) {
+            let Some((at, crosses)) = met(index, item, a, b) else { continue };
+            let does = if crosses { "runs through" } else { "touches" };
             let what = format!(
-                "the path from [{}, {}] to [{}, {}] runs through the wall of line {} at [{x:.2}, {y:.2}]: add a way point round it",
+                "the path from [{}, {}] to [{}, {}] {does} the wall of line {} at [{:.2}, {:.2}]: keep 1 cm off, or add a way point round it",
                 a.0,
                 a.1,
                 b.0,
                 b.1,
-                line_of(met.item)
+                line_of(item),
+                at.0,
+                at.1
             );
             return Err(Error::at(path, line, what));
         }
@@ -125,7 +141,7 @@ pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Res
     let places = way.points.iter().copied();
     let poses = way.stops.iter().map(|(_, p)| (p.x, p.y)).zip(way.lines.iter().copied());
     for ((x, y), line) in places.chain(poses) {
-        for direction in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
+        for direction in LOOK {
             if let Some(met) = index.ray((x, y), direction, SOLID.min(far), false).filter(|m| m.from_behind) {
                 let what = format!(
                     "the path's [{x}, {y}] lies on the solid side of the wall of line {}: move the point, or correct that shape's free side",
@@ -134,17 +150,32 @@ pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Res
                 return Err(Error::at(path, line, what));
             }
         }
-        let near = index.near((x, y), 0.5);
-        let tight = near.into_iter().find(|&k| match index.walls.get(k as usize) {
-            Some(w) => from_segment((x, y), w.a, w.b) < CLEARANCE,
-            None => index.arcs[k as usize - index.walls.len()].off((x, y)) < CLEARANCE,
-        });
-        if let Some(item) = tight {
-            let what = format!("the path's [{x}, {y}] touches the wall of line {}: keep 1 cm off", line_of(item));
+        let touched = index.near((x, y), CLEARANCE);
+        if let Some(item) = touched.first() {
+            let what = format!("the path's [{x}, {y}] touches the wall of line {}: keep 1 cm off", line_of(*item));
             return Err(Error::at(path, line, what));
         }
     }
     Ok(())
+}
+
+/// Where a leg comes too near a wall or an arc, if it does, and whether it crosses it.
+fn met(index: &Index, item: u32, a: Point, b: Point) -> Option<(Point, bool)> {
+    let crossing = index.shares(item, a, b).into_iter().find(|t| (0.0..=1.0).contains(t));
+    if let Some(t) = crossing {
+        return Some((along(a, b, t), true));
+    }
+    let onto = |p: Point| along(a, b, nearest_share(p, a, b));
+    // where two things that don't cross are nearest, one of them ends, or the leg passes a circle's centre
+    let (places, off): (Vec<Point>, Box<dyn Fn(Point) -> f64>) = match index.walls.get(item as usize) {
+        Some(w) => (vec![a, b, onto(w.a), onto(w.b)], Box::new(move |p| from_segment(p, w.a, w.b))),
+        None => {
+            let arc = &index.arcs[item as usize - index.walls.len()];
+            let places = vec![a, b, onto(arc.centre), onto(arc.at(0.0)), onto(arc.at(arc.sweep))];
+            (places, Box::new(move |p| arc.off(p)))
+        }
+    };
+    places.into_iter().find(|p| off(*p) < CLEARANCE).map(|p| (p, false))
 }
 
 /// Farther than any two things of a world.

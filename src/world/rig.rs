@@ -1,6 +1,8 @@
 //! What the robot carries: a dense circular scan, a ring of sonars, a laser, or sensors one by one.
 
 use super::echo::Physics;
+use super::index::Index;
+use super::path::Stop;
 use super::text::Part;
 use crate::sensor::{Description, Kind, Sensor, preset};
 use crate::{Error, Result};
@@ -140,6 +142,32 @@ impl Rig {
         sonars.map(|t| t.sensor.r_max).fold(0.0, f64::max)
     }
 
+    /// Whether a wall stands between the robot and one of its transducers at one of these stops; what to say of it.
+    pub(crate) fn check(&self, index: &Index, stops: &[Stop]) -> std::result::Result<(), String> {
+        let spread = self.spread();
+        for (k, (_, robot)) in stops.iter().enumerate() {
+            let at = (robot.x, robot.y);
+            let near = index.near(at, spread);
+            if near.is_empty() {
+                continue;
+            }
+            let beyond = self.transducers.iter().find(|t| {
+                let place = robot.compose(t.sensor.x, t.sensor.y, 0.0);
+                let radius = t.sensor.x.hypot(t.sensor.y);
+                if t.circles { !index.near(at, radius).is_empty() } else { !index.reaches(at, (place.x, place.y)) }
+            });
+            if let Some(t) = beyond {
+                let (id, off) = (&t.sensor.id, t.sensor.x.hypot(t.sensor.y));
+                return Err(format!(
+                    "scan {k} at [{}, {}]: a wall stands between the robot and its sensor {id:?}, {off:.2} m off: keep \
+                     the path farther from walls, or carry a smaller rig",
+                    at.0, at.1
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Readings of one scan.
     pub fn readings(&self) -> u64 {
         self.transducers.iter().map(|t| u64::from(t.beams)).sum()
@@ -195,7 +223,14 @@ impl Rig {
             }
         }
         let radius = part.length("radius")?;
+        if let Some(r) = radius.filter(|r| *r < 0.0) {
+            return Err(part.text.fail(&part.place("radius"), format!("radius = {r:?}: takes 0 or more")));
+        }
         let step = part.angle("step")?;
+        if step.is_some() && self.transducers.iter().all(|t| t.beams == 1) {
+            let what = format!("step is for sensors that turn, as in dense and laser; those of {} do not", self.name);
+            return Err(part.text.fail(&part.place("step"), what));
+        }
         for t in &mut self.transducers {
             if let Some(r) = radius {
                 (t.sensor.x, t.sensor.y) = (r * t.sensor.axis.cos(), r * t.sensor.axis.sin());

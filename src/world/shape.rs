@@ -1,6 +1,6 @@
 //! What a world is made of: walls, arcs, and the corners they make, each with a surface and perhaps a class.
 
-use super::plane::{Point, cross, dot, length, sub};
+use super::plane::{Point, cross, distance, dot, length, sub};
 use std::f64::consts::TAU;
 
 /// How a surface answers. `worlds.md` has the table.
@@ -85,7 +85,7 @@ pub struct Arc {
 impl Arc {
     /// Whether the arc has a point in this direction from its centre.
     pub(crate) fn spans(&self, direction: Point) -> bool {
-        self.sweep >= TAU || (direction.1.atan2(direction.0) - self.from).rem_euclid(TAU) <= self.sweep
+        self.whole() || (direction.1.atan2(direction.0) - self.from).rem_euclid(TAU) <= self.sweep
     }
 
     /// The point at an angle from the arc's beginning.
@@ -105,22 +105,33 @@ impl Arc {
         })
     }
 
-    /// The arc as walls that leave it by no more than `sagitta` metres, free side to the left.
-    pub(crate) fn facets(&self, sagitta: f64) -> Vec<Wall> {
+    /// The arc as walls that leave it by no more than `sagitta` metres, free side to the left, each with the angles from
+    /// the arc's beginning at which it starts and ends.
+    pub(crate) fn facets(&self, sagitta: f64) -> Vec<(Wall, f64, f64)> {
         let step = 2.0 * (1.0 - (sagitta / self.radius).min(0.5)).acos();
         let count = (self.sweep / step).ceil().clamp(4.0, 4096.0) as usize;
-        let corner = |k: usize| self.at(self.sweep * k as f64 / count as f64);
-        let thin = self.sweep < TAU;
+        let angle = |k: usize| self.sweep * k as f64 / count as f64;
+        let thin = !self.whole();
         let facet = |k: usize| {
-            let (a, b) = if self.inside { (corner(k), corner(k + 1)) } else { (corner(k + 1), corner(k)) };
-            Wall { a, b, surface: self.surface, class: self.class, thin }
+            let (from, to) = if self.inside { (angle(k), angle(k + 1)) } else { (angle(k + 1), angle(k)) };
+            let (a, b) = (self.at(from), self.at(to));
+            (Wall { a, b, surface: self.surface, class: self.class, thin }, from, to)
         };
         (0..count).map(facet).collect()
     }
 
-    /// How far a point lies from the circle, metres: no more than its distance from the arc.
+    /// How far a point lies from it, metres.
     pub(crate) fn off(&self, p: Point) -> f64 {
-        (length(sub(p, self.centre)) - self.radius).abs()
+        let out = sub(p, self.centre);
+        if self.spans(out) {
+            return (length(out) - self.radius).abs();
+        }
+        distance(p, self.at(0.0)).min(distance(p, self.at(self.sweep)))
+    }
+
+    /// Whether it is a whole circle, one side of it solid; a part of one is thin, both sides free.
+    pub(crate) fn whole(&self) -> bool {
+        self.sweep >= TAU
     }
 }
 
@@ -142,7 +153,7 @@ pub struct Corner {
     pub at: Point,
     /// What it does.
     pub kind: CornerKind,
-    /// Unit vectors along its two walls, away from it; the free side lies between them, counter-clockwise, if concave.
+    /// Unit vectors along its two walls, away from it; the free side lies between them, counter-clockwise.
     pub arms: [Point; 2],
     /// The share of a sound's amplitude that it keeps: of its two walls' reflections, as against specular ones.
     pub keeps: f64,
@@ -151,10 +162,14 @@ pub struct Corner {
 }
 
 impl Corner {
-    /// Whether a point lies on its free side; convex ones leave that to the line of sight.
+    /// Whether a point lies on its free side.
     pub(crate) fn faces(&self, p: Point) -> bool {
-        let v = sub(p, self.at);
-        self.kind == CornerKind::Edge || (cross(self.arms[0], v) > 0.0 && cross(v, self.arms[1]) > 0.0)
+        let (v, [right, left]) = (sub(p, self.at), self.arms);
+        match self.kind {
+            // what isn't in the sector behind it, of less than 180°
+            CornerKind::Edge => !(cross(left, v) > 0.0 && cross(v, right) > 0.0),
+            _ => cross(right, v) > 0.0 && cross(v, left) > 0.0,
+        }
     }
 
     /// ρ of an echo from `d` metres.

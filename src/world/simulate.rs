@@ -36,7 +36,7 @@ pub struct Simulated {
 /// they come. `progress` gets the number of scans done.
 ///
 /// # Errors
-/// [`Error::Resources`] if the log can't be written.
+/// [`Error::Usage`] if the rig does not fit through the world; [`Error::Resources`] if the log can't be written.
 pub fn simulate<W: Write>(
     world: &World,
     rig: &Rig,
@@ -45,6 +45,9 @@ pub fn simulate<W: Write>(
     out: W,
     progress: &dyn Fn(u64),
 ) -> Result<(Simulated, W)> {
+    if *rig != world.rig {
+        rig.check(&world.index, &world.stops).map_err(Error::Usage)?;
+    }
     let sensors: Vec<_> = rig.transducers.iter().map(|t| t.sensor.clone()).collect();
     let mut writer = Writer::new(out, &sensors, &world.classes)?;
     let scans = scans.unwrap_or(world.stops.len() as u64);

@@ -12,6 +12,8 @@ use toml::de::{DeTable, DeValue};
 pub(crate) struct Text<'a> {
     pub path: &'a Path,
     pub text: &'a str,
+    /// Where each line ends.
+    ends: Vec<usize>,
 }
 
 /// Reads a number with its unit.
@@ -20,9 +22,13 @@ type Quantity = fn(&str) -> std::result::Result<f64, String>;
 /// Anything read, with its place.
 pub(crate) type At<T> = (T, Range<usize>);
 
-impl Text<'_> {
+impl<'a> Text<'a> {
+    pub fn new(path: &'a Path, text: &'a str) -> Text<'a> {
+        Text { path, text, ends: text.match_indices('\n').map(|(k, _)| k).collect() }
+    }
+
     pub fn line(&self, at: &Range<usize>) -> u64 {
-        self.text.bytes().take(at.start).filter(|b| *b == b'\n').count() as u64 + 1
+        self.ends.partition_point(|end| *end < at.start) as u64 + 1
     }
 
     pub fn fail(&self, at: &Range<usize>, what: impl Into<String>) -> Error {
@@ -80,7 +86,7 @@ impl<'a> Part<'a> {
     pub fn positive(&self, key: &str) -> Result<Option<f64>> {
         match self.length(key)? {
             Some(v) if v <= 0.0 => {
-                Err(self.text.fail(&self.place(key), format!("{key} = {v}: {key} takes more than 0")))
+                Err(self.text.fail(&self.place(key), format!("{key} = {v:?}: {key} takes more than 0")))
             }
             other => Ok(other),
         }
@@ -181,7 +187,7 @@ impl<'a> Part<'a> {
         match found {
             Ok(v) if v.abs() <= 1e6 => Ok(v),
             Ok(v) => {
-                Err(self.text.fail(&value.span(), format!("{key}: {v} is farther than 1e6: give a smaller number")))
+                Err(self.text.fail(&value.span(), format!("{key}: {v:?} is farther than 1e6: give a smaller number")))
             }
             Err(what) => {
                 let shown = self.text.text.get(value.span()).unwrap_or("this");

@@ -2,16 +2,17 @@
 //!
 //! A cell with a visible piece of surface in it is occupied (visible from any scan's centre within range); a cell that
 //! holds only invisible surface is unknown; else it is empty if its centre is in sight of a scan's centre, within range;
-//! else unknown. A surface on the line between two cells belongs to the right or upper one. Arcs are taken as walls that
-//! leave them by 0.2 mm at most.
+//! else unknown. A surface on the line between two cells belongs to the right or upper one. Which parts of an arc are in
+//! sight is asked of chords that leave it by 0.2 mm at most; which cells it passes through, of the arc itself.
 
 use super::World;
 use super::index::Index;
 use super::plane::{Point, Wedge, along, cut, distance, dot, sub};
-use super::shape::Wall;
+use super::shape::{Arc, Wall};
 use crate::grid::{Class, GridSpec};
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
 
 /// How far facets leave an arc, metres.
 const SAGITTA: f64 = 2e-4;
@@ -25,7 +26,13 @@ type Span = (f64, f64);
 /// places, metres; `r_max` in metres.
 pub fn true_map(world: &World, scans: &[Point], grid: &GridSpec, r_max: f64) -> Vec<i8> {
     let mut walls = world.index.walls.clone();
-    walls.extend(world.index.arcs.iter().flat_map(|a| a.facets(SAGITTA)));
+    let mut pieces: Vec<Piece> = world.index.walls.iter().map(Piece::Straight).collect();
+    for arc in &world.index.arcs {
+        for (wall, from, to) in arc.facets(SAGITTA) {
+            walls.push(wall);
+            pieces.push(Piece::Bent { arc, from, to });
+        }
+    }
     let index = Index::new(walls, Vec::new());
     let mut scans = scans.to_vec();
     scans.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -36,10 +43,10 @@ pub fn true_map(world: &World, scans: &[Point], grid: &GridSpec, r_max: f64) -> 
         seen[wall as usize].push(span);
     }
     let mut surface: HashMap<usize, bool> = HashMap::new();
-    for (wall, spans) in index.walls.iter().zip(&mut seen) {
+    for (piece, spans) in pieces.iter().zip(&mut seen) {
         spans.sort_by(|a, b| a.0.total_cmp(&b.0));
-        rasterise(wall, grid, &mut |cell, span| {
-            let least = PIECE / distance(wall.a, wall.b);
+        let least = PIECE / piece.length();
+        piece.rasterise(grid, &mut |cell, span| {
             let found = spans.iter().any(|s| s.1.min(span.1) - s.0.max(span.0) > least);
             *surface.entry(cell).or_default() |= found;
         });
@@ -50,7 +57,7 @@ pub fn true_map(world: &World, scans: &[Point], grid: &GridSpec, r_max: f64) -> 
         Some(false) => Class::Unknown,
         None => {
             let centre = grid.centre(k % grid.width, k / grid.width);
-            if near.around(centre).any(|s| index.clear(s, centre)) { Class::Empty } else { Class::Unknown }
+            if near.around(centre).any(|s| world.index.clear(s, centre)) { Class::Empty } else { Class::Unknown }
         }
     };
     (0..grid.cells()).into_par_iter().map(|k| class(k) as i8).collect()
@@ -100,39 +107,91 @@ fn shadow_of(from: Point, through: Point, wall: &Wall) -> f64 {
 fn within(from: Point, wall: &Wall, r_max: f64) -> Option<Span> {
     let (e, w) = (sub(wall.b, wall.a), sub(wall.a, from));
     let (a, b, c) = (dot(e, e), dot(e, w), dot(w, w) - r_max * r_max);
-    let root = (b * b - a * c).sqrt();
+    // a wall that the range only touches, or less, has no part within it
+    let root = Some(b * b - a * c).filter(|d| *d > 0.0)?.sqrt();
     let span = (((-b - root) / a).max(0.0), ((-b + root) / a).min(1.0));
     (span.0 < span.1).then_some(span)
 }
 
-/// Shows each cell that a wall passes through, and the share of the wall in it.
-fn rasterise(wall: &Wall, grid: &GridSpec, show: &mut dyn FnMut(usize, Span)) {
-    let cell = |p: Point| ((p.0 - grid.x0()) / grid.resolution, (p.1 - grid.y0()) / grid.resolution);
-    let (a, b) = (cell(wall.a), cell(wall.b));
-    // the part over the grid
-    let mut span = Some((0.0, 1.0));
-    for (pa, pb, size) in [(a.0, b.0, grid.width as f64), (a.1, b.1, grid.height as f64)] {
-        span = span.and_then(|s| cut(s, pa, pb)).and_then(|s| cut(s, size - pa, size - pb));
-    }
-    let Some((t0, t1)) = span else { return };
-    let mut cuts = vec![t0, t1];
-    for (pa, pb) in [(a.0, b.0), (a.1, b.1)] {
-        let (low, high) = (pa + (pb - pa) * t0, pa + (pb - pa) * t1);
-        let lines = (low.min(high).ceil() as i64)..=(low.max(high).floor() as i64);
-        if (pb - pa).abs() > 1e-12 {
-            cuts.extend(lines.map(|k| ((k as f64 - pa) / (pb - pa)).clamp(t0, t1)));
+/// A piece of surface: a wall, or an arc between two angles from its beginning.
+enum Piece<'a> {
+    Straight(&'a Wall),
+    Bent { arc: &'a Arc, from: f64, to: f64 },
+}
+
+impl Piece<'_> {
+    /// Metres.
+    fn length(&self) -> f64 {
+        match self {
+            Piece::Straight(w) => distance(w.a, w.b),
+            Piece::Bent { arc, from, to } => (to - from).abs() * arc.radius,
         }
     }
-    cuts.sort_by(f64::total_cmp);
-    for pair in cuts.windows(2) {
-        if (pair[1] - pair[0]) * distance(wall.a, wall.b) <= PIECE {
-            continue;
+
+    /// The point at a share of it.
+    fn at(&self, t: f64) -> Point {
+        match self {
+            Piece::Straight(w) => along(w.a, w.b, t),
+            Piece::Bent { arc, from, to } => arc.at(from + (to - from) * t),
         }
-        let p = along(a, b, (pair[0] + pair[1]) / 2.0);
-        // a wall on a line of the grid belongs to the cell above it, whichever way its coordinates were rounded
-        let (x, y) = ((p.0 + 1e-9).floor(), (p.1 + 1e-9).floor());
-        if x >= 0.0 && y >= 0.0 && x < grid.width as f64 && y < grid.height as f64 {
-            show(y as usize * grid.width + x as usize, (pair[0], pair[1]));
+    }
+
+    /// The shares at which its x (or its y) takes a value.
+    fn meets(&self, x: bool, value: f64) -> [f64; 2] {
+        let of = |p: Point| if x { p.0 } else { p.1 };
+        match self {
+            Piece::Straight(w) => [(value - of(w.a)) / (of(w.b) - of(w.a)), f64::NAN],
+            Piece::Bent { arc, from, to } => {
+                // NaN where the circle doesn't reach so far
+                let angle = ((value - of(arc.centre)) / arc.radius).acos();
+                let right_angle = if x { 0.0 } else { PI / 2.0 };
+                [angle, -angle].map(|a| {
+                    let middle = arc.from + (from + to) / 2.0;
+                    let turn = (a + right_angle - middle + PI).rem_euclid(TAU) - PI;
+                    0.5 + turn / (to - from)
+                })
+            }
+        }
+    }
+
+    /// Shows each cell that it passes through, and the share of it in there.
+    fn rasterise(&self, grid: &GridSpec, show: &mut dyn FnMut(usize, Span)) {
+        let mut cuts = vec![0.0, 1.0];
+        for (x, low, cells) in [(true, grid.x0(), grid.width), (false, grid.y0(), grid.height)] {
+            let line = |k: i64| low + k as f64 * grid.resolution;
+            let (least, most) = self.spans(x);
+            // the grid's lines that it may cross
+            let column = |v: f64| ((v - low) / grid.resolution).clamp(-1.0, cells as f64 + 1.0);
+            let lines = (column(least).ceil() as i64).max(0)..=(column(most).floor() as i64).min(cells as i64);
+            let shares = lines.flat_map(|k| self.meets(x, line(k)));
+            cuts.extend(shares.filter(|t| *t > 0.0 && *t < 1.0));
+        }
+        cuts.sort_by(f64::total_cmp);
+        let least = PIECE / self.length();
+        for pair in cuts.windows(2) {
+            if pair[1] - pair[0] <= least {
+                continue;
+            }
+            let p = self.at((pair[0] + pair[1]) / 2.0);
+            // a wall on a line of the grid belongs to the cell above it, whichever way its coordinates were rounded
+            let cell = |v: f64, low: f64| ((v - low) / grid.resolution + 1e-9).floor();
+            let (x, y) = (cell(p.0, grid.x0()), cell(p.1, grid.y0()));
+            if x >= 0.0 && y >= 0.0 && x < grid.width as f64 && y < grid.height as f64 {
+                show(y as usize * grid.width + x as usize, (pair[0], pair[1]));
+            }
+        }
+    }
+
+    /// Bounds of its x (or its y).
+    fn spans(&self, x: bool) -> (f64, f64) {
+        let of = |p: Point| if x { p.0 } else { p.1 };
+        match self {
+            Piece::Straight(w) => (of(w.a).min(of(w.b)), of(w.a).max(of(w.b))),
+            Piece::Bent { arc, .. } => {
+                // a facet is short: no farther from its middle than its length
+                let (middle, reach) = (of(self.at(0.5)), self.length().min(2.0 * arc.radius));
+                (middle - reach, middle + reach)
+            }
         }
     }
 }

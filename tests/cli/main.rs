@@ -12,3 +12,4 @@ mod map;
 mod outputs;
 mod repeat;
 mod tools;
+mod worlds;

@@ -1,0 +1,131 @@
+//! simulate, truth, and score against a world, as a user runs them.
+
+use crate::common::Place;
+use std::path::Path;
+
+fn world(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds").join(name).display().to_string()
+}
+
+#[test]
+fn a_simulated_log_is_a_log_like_any_other() {
+    let (place, bend) = (Place::new(), world("bend.toml"));
+    let ran = place.does(&["simulate", &bend, "-o", "bend.jsonl", "--seed", "4", "--rig", "ring24"]);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    assert!(lines[0].starts_with("bend: 576 readings (ring24) in 24 scans, "), "{}", ran.out);
+    assert!(lines[0].contains(" % without an echo; ") && lines[0].ends_with(" readings/s"), "{}", ran.out);
+    assert_eq!(lines[1], "Next: echogrid map bend.jsonl -o DIR");
+    assert_eq!(place.names(""), ["bend.jsonl", "log.jsonl", "run"]);
+    let report = place.does(&["map", "bend.jsonl", "-o", "map", "--backend", "cpu", "--json"]).json();
+    assert_eq!((&report["readings"]["read"], &report["bad_lines"]["count"]), (&576.into(), &0.into()));
+    // what a laser that looks ahead sees, mapped as the truth, is the world
+    place.does(&["simulate", &bend, "-o", "laser.jsonl", "--rig", "laser", "--quiet"]);
+    place.does(&["map", "laser.jsonl", "-o", "seen", "-m", "truth", "--backend", "cpu", "--quiet"]);
+    let seen = place.does(&["score", "seen", "--truth", &bend, "--json"]).json()["maps"][0].clone();
+    let number = |name: &str| seen[name].as_f64().unwrap();
+    assert!(number("precision_tolerant") > 0.99 && number("recall_tolerant") > 0.8, "{seen}");
+    assert!(number("accuracy") > 0.98, "{seen}");
+}
+
+#[test]
+fn a_seed_decides_every_byte() {
+    let (place, room) = (Place::new(), world("turned.toml"));
+    let log = |more: &[&str]| {
+        place.does(&[&["simulate", &room, "-o", "a.jsonl", "--quiet"], more].concat());
+        std::fs::read(place.path("a.jsonl")).unwrap()
+    };
+    let one = log(&["--seed", "5", "--scans", "40"]);
+    assert_eq!(one.iter().filter(|b| **b == b'\n').count(), 1 + 40 * 200);
+    assert_eq!(log(&["--seed", "5", "--scans", "40", "--threads", "1"]), one);
+    assert!(log(&["--seed", "6", "--scans", "40"]) != one);
+    // a shorter log is the longer one's beginning
+    let short = log(&["--seed", "5", "--scans", "3"]);
+    assert!(one.starts_with(&short) && short.len() < one.len());
+    let ran = place.does(&["simulate", &room, "-o", "-", "--seed", "5", "--scans", "3"]);
+    assert_eq!(ran.out.as_bytes(), short);
+    assert!(log(&["--seed", "5", "--scans", "3", "--bounces", "1"]) != short);
+    // with no mirrors hardly an echo is missing
+    let missing = |log: &[u8]| String::from_utf8_lossy(log).matches("\"z\":null").count();
+    let direct = log(&["--seed", "5", "--scans", "3", "--no-specular"]);
+    assert!(missing(&short) > 300 && missing(&direct) < 60, "{} and {}", missing(&short), missing(&direct));
+}
+
+#[test]
+fn a_refused_world_leaves_the_old_log() {
+    let place = Place::new();
+    place.write("open.toml", "[[outline]]\npoints = [[0,0],[4,0],\n[4,3],\n[0,3]]\n[path]\nposes = [[1,1]]\n");
+    place.refuses(
+        &["simulate", "open.toml", "-o", "log.jsonl"],
+        3,
+        "echogrid: open.toml:4: the outline is open: it begins at [0, 0] and ends at [0, 3]; repeat the first point at \
+         the end, or make it a [[wall]]",
+    );
+    for arguments in [&["truth", "open.toml", "-o", "map"][..], &["score", "map", "--truth", "open.toml"]] {
+        let ran = place.run(arguments);
+        assert!(ran.code == 3 && ran.err.contains("open.toml:4: the outline is open"), "{ran:?}");
+    }
+    assert_eq!(std::fs::read(place.path("log.jsonl")).unwrap(), crate::common::SMALL.as_bytes());
+    let room = world("room.toml");
+    for (output, why) in [("run", "run is a folder"), ("no/such/log.jsonl", "no/such/log.jsonl can't be written")] {
+        let before = place.names("");
+        let ran = place.run(&["simulate", &room, "-o", output]);
+        assert!(ran.code == 5 && ran.err.contains(why), "{ran:?}");
+        assert_eq!(place.names(""), before);
+    }
+    let ran = place.run(&["simulate", "none.toml", "-o", "x"]);
+    assert!(ran.code == 3 && ran.err.starts_with("echogrid: none.toml"), "{ran:?}");
+    for bad in [&["--scans", "0"][..], &["--bounces", "4"], &["--rig", "ring9"]] {
+        assert_eq!(place.run(&[&["simulate", &room, "-o", "x"], bad].concat()).code, 2, "{bad:?}");
+    }
+}
+
+#[test]
+fn a_true_map_is_a_map_and_a_truth() {
+    let (place, room) = (Place::new(), world("room.toml"));
+    let ran = place.does(&["truth", &room, "-o", "truth", "-r", "10cm"]);
+    // the room's 4.6 × 3.4 m lie off the grid: 47 × 35 cells with a wall or free, all of them in sight
+    assert!(
+        ran.out.starts_with(
+            "room, seen from 2 places up to 5 m: 147 × 135 cells of 0.1 m; 160 occupied, 1485 empty, 18200 unknown"
+        ),
+        "{}",
+        ran.out
+    );
+    let perfect = |truth: &str, more: &[&str]| {
+        let json = place.does(&[&["score", "truth", "--truth", truth, "--json"], more].concat()).json();
+        let n = json["maps"][0].clone();
+        assert_eq!(
+            (&n["danger"], &n["accuracy"], &n["occupied_found"]),
+            (&0.0.into(), &1.0.into(), &160.into()),
+            "{n}"
+        );
+        assert_eq!(n["levels"][0], n["cells"]);
+    };
+    perfect(&room, &["--require", "danger<=0", "--require", "near.accuracy>=1"]);
+    perfect("truth", &[]);
+    perfect("truth/map.yaml", &[]);
+    // the true map scores others as the world itself does, over the cells that both know
+    place.does(&["simulate", &room, "-o", "room.jsonl", "--quiet"]);
+    place.does(&["map", "room.jsonl", "-o", "map", "-r", "10cm", "--backend", "cpu", "--quiet"]);
+    let danger =
+        |truth: &str| place.does(&["score", "map", "--truth", truth, "--json"]).json()["maps"][0]["danger"].clone();
+    assert!(danger(&room).as_f64().unwrap() > 0.1);
+    assert_eq!((danger(&room), danger(&room)), (danger("truth"), danger("truth/map.yaml")));
+    // other bounds and another range
+    place.does(&["truth", &room, "-o", "part", "-b", "0,0,2,2", "--r-max", "1", "-q"]);
+    let json = place.does(&["score", "part", "--truth", &room, "--r-max", "1", "--json"]).json();
+    assert!(json["maps"][0]["o_to_e"] == 0 && json["maps"][0]["unknown"].as_f64().unwrap() > 0.1, "{json}");
+
+    place.refuses(
+        &["truth", &room, "-o", "x", "--r-max", "-1"],
+        2,
+        "echogrid: --r-max -1 is no range: give metres, more than 0",
+    );
+    place.refuses(
+        &["truth", &room, "-o", "x", "-b", "0,0,1"],
+        2,
+        "echogrid: --bounds takes x0,y0,x1,y1, four numbers; here are 3",
+    );
+    let ran = place.run(&["truth", &world("campus.toml"), "-o", "x", "-r", "1mm"]);
+    assert!(ran.code == 5 && ran.err.contains("GiB") && ran.err.contains("--resolution"), "{ran:?}");
+}
