@@ -108,5 +108,9 @@ fn errors_name_line_and_remedy() {
     ] {
         World::parse(Path::new("good.toml"), &good).unwrap();
     }
-    assert_eq!(Rig::named("ring9").map(|r| r.name).unwrap_err().exit_code(), 2);
+    assert_eq!(
+        Rig::named("ring16").map(|r| (r.readings(), r.transducers[4].sensor.axis.to_degrees())).unwrap(),
+        (16, 90.0)
+    );
+    assert_eq!(Rig::named("ring0").map(|r| r.name).unwrap_err().exit_code(), 2);
 }

@@ -2,7 +2,7 @@
 
 use super::common::threads;
 use super::say;
-use crate::world::{RIGS, Rig, World, simulate};
+use crate::world::{Rig, World, simulate};
 use crate::{Error, Result};
 use indicatif::ProgressBar;
 use std::fs::File;
@@ -22,8 +22,8 @@ pub struct Simulate {
     /// The same seed gives the same log, on any number of threads
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// What the robot carries [default: the world's]
-    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(RIGS))]
+    /// What the robot carries: dense, ring8, ringN (1 to 360 sonars) or laser [default: the world's]
+    #[arg(long)]
     rig: Option<String>,
     /// Scans [default: one at each stop of the path; more go round again]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -107,7 +107,7 @@ impl Target {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = path.file_name().unwrap_or_default();
         let file = tempfile::Builder::new().prefix(name).suffix(".partial").make_in(folder, |p| File::create_new(p));
-        Ok(Target::File(file.map_err(|e| unwritable(path, e))?.into()))
+        Ok(Target::File(file.map_err(|e| unwritable(path, e))?))
     }
 
     fn finish(self, path: &Path) -> Result<()> {

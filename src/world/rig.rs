@@ -8,8 +8,10 @@ use crate::sensor::{Description, Kind, Sensor, preset};
 use crate::{Error, Result};
 use std::f64::consts::{PI, TAU};
 
-/// The rigs that `--rig` and `[rig] kind` know.
+/// The rigs that `--rig` and `[rig] kind` know; besides, `ringN` is a ring of N sonars.
 pub const RIGS: [&str; 4] = ["dense", "ring24", "ring8", "laser"];
+/// The most sonars of a ring.
+const MOST: u32 = 360;
 /// Keys of a sensor's table.
 const SENSOR: [&str; 15] = [
     "id",
@@ -95,18 +97,15 @@ fn fixed(sensor: Sensor) -> Transducer {
 }
 
 impl Rig {
-    /// One of [`RIGS`].
+    /// One of [`RIGS`], or `ringN`: N sonars evenly on a circle of 0.18 m (`ring8` is the real ring).
     ///
     /// # Errors
     /// [`Error::Usage`] for any other name.
     pub fn named(name: &str) -> Result<Rig> {
+        let sonars = name.strip_prefix("ring").and_then(|n| n.parse::<u32>().ok()).filter(|n| (1..=MOST).contains(n));
         let transducers = match name {
             "dense" => {
                 vec![Transducer { beams: 200, step: PI / 100.0, circles: true, ..fixed(sonar("dense", 0.14, 0.0)?) }]
-            }
-            "ring24" => {
-                let one = |k: u32| Ok(fixed(sonar(&k.to_string(), 0.18, f64::from(k) * TAU / 24.0)?));
-                (0..24).map(one).collect::<Result<_>>()?
             }
             "ring8" => {
                 let ring = preset("sonar_ring_8")?;
@@ -124,8 +123,14 @@ impl Rig {
                 vec![Transducer { beams: 361, step: PI / 360.0, ..fixed(sensor) }]
             }
             _ => {
-                let hint = crate::sensor::similar(name, &RIGS);
-                return Err(Error::Usage(format!("there is no rig {name:?}{hint}")));
+                let Some(n) = sonars else {
+                    let hint = crate::sensor::similar(name, &RIGS);
+                    return Err(Error::Usage(format!(
+                        "there is no rig {name:?}{hint}; ringN is a ring of 1 to {MOST}"
+                    )));
+                };
+                let one = |k: u32| Ok(fixed(sonar(&k.to_string(), 0.18, f64::from(k) * TAU / f64::from(n))?));
+                (0..n).map(one).collect::<Result<_>>()?
             }
         };
         Ok(Rig { name: name.into(), transducers, physics: Physics::default(), spurious: 0.004, cross_talk: 0.004 })

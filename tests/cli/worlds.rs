@@ -74,7 +74,7 @@ fn a_refused_world_leaves_the_old_log() {
     }
     let ran = place.run(&["simulate", "none.toml", "-o", "x"]);
     assert!(ran.code == 3 && ran.err.starts_with("echogrid: none.toml"), "{ran:?}");
-    for bad in [&["--scans", "0"][..], &["--bounces", "4"], &["--rig", "ring9"]] {
+    for bad in [&["--scans", "0"][..], &["--bounces", "4"], &["--rig", "rign9"], &["--rig", "ring361"]] {
         assert_eq!(place.run(&[&["simulate", &room, "-o", "x"], bad].concat()).code, 2, "{bad:?}");
     }
 }
