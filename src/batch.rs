@@ -5,7 +5,7 @@
 //! kernels decide each cell exactly.
 
 use crate::layout::*;
-use crate::snap::{Footprint, SLACK};
+use crate::snap::{Footprint, SLACK, region};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -40,6 +40,8 @@ pub struct Binning {
     pub footprint: Footprint,
     /// Whether a missing echo's arc is looked at (Dempster-Shafer counts its cells).
     pub no_echo_arcs: bool,
+    /// Bin into this chunk (column, row) alone.
+    pub only: Option<[u32; 2]>,
 }
 
 /// A cone in a tile: the tile's key, and the entry.
@@ -128,25 +130,76 @@ impl Binning {
             .collect()
     }
 
-    /// Appends a pair for every tile that the cone may touch, tile row by tile row; `slot` counts those of its arc.
+    /// Appends a pair for every tile that the cone may touch, chunk by chunk and in each tile row by tile row, so that a
+    /// sum over its arc is the same whether chunks are resident together or done one after the other; `slot` counts
+    /// the tiles of its arc.
     fn reach(&self, cone: &Cone, slot: &mut u32, pairs: &mut Vec<Pair>) {
-        let shape = Shape::of(cone, self.footprint);
         let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
+        self.tiles_of(cone, &mut |[i, j], (arc, inside)| {
+            let arc = arc && arcs;
+            let flags = if arc { ARC } else { 0 } | if inside { INSIDE } else { 0 };
+            let (chunk, at) = ([i / CHUNK as i64, j / CHUNK as i64], [i % CHUNK as i64, j % CHUNK as i64]);
+            let key = ((chunk[1] << 32) | (chunk[0] << 12) | (at[1] * CHUNK as i64 + at[0])) as u64;
+            pairs.push((key, Entry { cone: cone.index << ENTRY_SHIFT | flags, slot: *slot }));
+            *slot += u32::from(arc);
+        });
+    }
+
+    /// Shows each tile that the cone may touch, by column and row: whether its arc may, and whether all of it is interior.
+    fn tiles_of(&self, cone: &Cone, show: &mut dyn FnMut([i64; 2], (bool, bool))) {
+        let shape = Shape::of(cone, self.footprint);
         let edge = (TILE as i64) * i64::from(CELL);
-        let [rows, columns] = self.spans(cone, &shape);
-        for j in rows {
-            for i in columns.clone() {
-                let (x, y) = (edge * i - i64::from(cone.sensor[0]), edge * j - i64::from(cone.sensor[1]));
-                let Some((arc, inside)) = shape.meets(x, y) else { continue };
-                let whole = (i + 1) as usize * TILE <= self.size[0] && (j + 1) as usize * TILE <= self.size[1];
-                let arc = arc && arcs;
-                let flags = if arc { ARC } else { 0 } | if inside && whole { INSIDE } else { 0 };
-                let (chunk, at) = ([i / CHUNK as i64, j / CHUNK as i64], [i % CHUNK as i64, j % CHUNK as i64]);
-                let key = ((chunk[1] << 32) | (chunk[0] << 12) | (at[1] * CHUNK as i64 + at[0])) as u64;
-                pairs.push((key, Entry { cone: cone.index << ENTRY_SHIFT | flags, slot: *slot }));
-                *slot += u32::from(arc);
+        for [column, row] in self.chunks_of(cone) {
+            let [rows, columns] = self.within(self.spans(cone, &shape), [column, row]);
+            for j in rows {
+                for i in columns.clone() {
+                    let (x, y) = (edge * i - i64::from(cone.sensor[0]), edge * j - i64::from(cone.sensor[1]));
+                    let Some((arc, inside)) = shape.meets(x, y) else { continue };
+                    let whole = (i + 1) as usize * TILE <= self.size[0] && (j + 1) as usize * TILE <= self.size[1];
+                    show([i, j], (arc, inside && whole));
+                }
             }
         }
+    }
+
+    /// The chunks of a cone's box, by column and row, row by row.
+    pub fn chunks_of(&self, cone: &Cone) -> Vec<[u32; 2]> {
+        let shape = Shape::of(cone, self.footprint);
+        let [rows, columns] = self.spans(cone, &shape).map(|s| {
+            let chunk = |tile: i64| tile.div_euclid(CHUNK as i64) as u32;
+            if s.is_empty() { 0..0 } else { chunk(s.start)..chunk(s.end - 1) + 1 }
+        });
+        let all = rows.flat_map(|row| columns.clone().map(move |column| [column, row]));
+        all.filter(|place| self.only.is_none_or(|only| only == *place)).collect()
+    }
+
+    /// The part of tile rows and tile columns in a chunk.
+    fn within(&self, [rows, columns]: [Range<i64>; 2], [column, row]: [u32; 2]) -> [Range<i64>; 2] {
+        let cut = |span: Range<i64>, chunk: u32| {
+            let first = i64::from(chunk) * CHUNK as i64;
+            span.start.max(first)..span.end.min(first + CHUNK as i64)
+        };
+        [cut(rows, row), cut(columns, column)]
+    }
+
+    /// Whether the cone has a cell in its interior, and one on its arc, within the grid.
+    pub fn regions(&self, cone: &Cone) -> (bool, bool) {
+        let hit = cone.flags & NO_ECHO == 0;
+        let mut any = (false, false);
+        self.tiles_of(cone, &mut |[i, j], (arc, inside)| {
+            any.0 |= inside;
+            if any.0 && (any.1 || !hit || !arc) {
+                return;
+            }
+            for cell in 0..TILE_CELLS {
+                let at = [i as usize * TILE + cell % TILE, j as usize * TILE + cell / TILE];
+                if at[0] < self.size[0] && at[1] < self.size[1] {
+                    let (interior, arc) = region(cone, self.footprint, at[0] as i64, at[1] as i64);
+                    any = (any.0 | interior, any.1 | (arc & hit));
+                }
+            }
+        });
+        any
     }
 }
 

@@ -1,12 +1,12 @@
 //! From readings to a map: snap, bin, run the method's sweeps on a backend, take the layers out.
 
-use crate::batch::{Batch, Binning};
+use crate::batch::Binning;
 use crate::grid::{GridSpec, Layer, Map};
 use crate::kernels::Backend;
 use crate::layers;
-use crate::layout::{ARC, CELL, Cone, DIRECTION, Frame, INSIDE, NO_ECHO, TILE, TILE_CELLS, WIDE};
+use crate::layout::{CELL, Cone, DIRECTION, Frame, NO_ECHO, WIDE};
 use crate::method::{self, Method};
-use crate::reading::{Counts, Outcome, Reading};
+use crate::reading::{Counts, Reading};
 use crate::sensor::Sensor;
 use crate::snap::{Edges, Footprint, region, snap};
 use crate::{Error, Result};
@@ -101,13 +101,12 @@ impl<'a> Mapper<'a> {
             let (grid, sensors, method) = (&self.grid, self.sensors, self.method);
             items.par_iter().map(|item| snap_item(grid, sensors, method, item)).collect()
         };
-        let outcomes: Vec<Outcome> =
-            snapped.iter().zip(items).filter(|(s, _)| s.is_some()).map(|(_, (r, _))| r.outcome).collect();
         let misses = snapped.iter().filter(|s| s.is_none()).count() as u64;
         let binning = Binning {
             size: [self.grid.width, self.grid.height],
             footprint: self.method.footprint(),
             no_echo_arcs: self.method.sweeps()[sweep].contains(&method::Step::Share),
+            only: None,
         };
         if items.len() > 1 && snapped.iter().flatten().map(|c| binning.at_most(c)).sum::<usize>() > PAIRS {
             return self.halves(sweep, items);
@@ -130,7 +129,7 @@ impl<'a> Mapper<'a> {
         }
         if sweep == 0 && self.counting {
             self.counts.outside += misses;
-            self.count(&batch);
+            count(&mut self.counts, &binning, &batch.cones);
         }
         self.work.batches += 1;
         self.work.entries += batch.chunks.iter().map(|c| c.entries.len() as u64).sum::<u64>();
@@ -140,7 +139,7 @@ impl<'a> Mapper<'a> {
             scale: (self.grid.resolution / f64::from(CELL)) as f32,
             constants: self.method.constants(),
         };
-        self.backend.apply(self.method, frame, &batch, &outcomes, sweep)
+        self.backend.apply(self.method, frame, &batch, self.method.sweeps()[sweep], &mut Vec::new())
     }
 
     /// Maps a batch that is too large as two.
@@ -150,59 +149,25 @@ impl<'a> Mapper<'a> {
         self.apply(sweep, last)
     }
 
-    /// Counts the readings that reach no cell, those without arc cells, and the wide ones.
-    fn count(&mut self, batch: &Batch) {
-        let footprint = self.method.footprint();
-        let mut tiles: Vec<Vec<([u32; 2], u32)>> = vec![Vec::new(); batch.cones.len()];
-        let mut interior = vec![false; batch.cones.len()];
-        let suspects: Vec<bool> =
-            batch.cones.par_iter().map(|c| !tip_is_arc(c, footprint, [self.grid.width, self.grid.height])).collect();
-        for list in &batch.chunks {
-            for tile in &list.tiles {
-                for entry in &list.entries[tile.entries[0] as usize..tile.entries[1] as usize] {
-                    let k = entry.index();
-                    interior[k] |= entry.cone & INSIDE != 0;
-                    if suspects[k] {
-                        tiles[k].push((tile.corner, entry.cone & ARC));
-                    }
-                }
-            }
-        }
-        let size = [self.grid.width, self.grid.height];
-        let found: Vec<(bool, bool)> = (0..batch.cones.len())
-            .into_par_iter()
-            .map(|k| {
-                if !suspects[k] {
-                    return (true, true);
-                }
-                let mut any = (interior[k], false);
-                let hit = batch.cones[k].flags & NO_ECHO == 0;
-                for (corner, _) in &tiles[k] {
-                    for cell in 0..TILE_CELLS {
-                        let at = [corner[0] as usize + cell % TILE, corner[1] as usize + cell / TILE];
-                        if at[0] < size[0] && at[1] < size[1] {
-                            let (i, a) = region(&batch.cones[k], footprint, at[0] as i64, at[1] as i64);
-                            any = (any.0 | i, any.1 | (a & hit));
-                        }
-                    }
-                    if any.1 || (any.0 && !hit) {
-                        break;
-                    }
-                }
-                any
-            })
-            .collect();
-        for (cone, (interior, arc)) in batch.cones.iter().zip(found) {
-            self.counts.wide += u64::from(cone.flags & WIDE != 0 && (interior || arc));
-            self.counts.outside += u64::from(!interior && !arc);
-            self.counts.empty_arc += u64::from(interior && !arc && cone.flags & NO_ECHO == 0);
-        }
-    }
-
     /// The finished map.
     pub fn finish(self) -> Result<Finished> {
         let chunks = self.backend.finish(self.method)?;
         Ok(layers::from_chunks(&self.grid, self.method, &chunks))
+    }
+}
+
+/// Counts the readings that reach no cell, those without arc cells, and the wide ones.
+pub(crate) fn count(counts: &mut Counts, binning: &Binning, cones: &[Cone]) {
+    let size = binning.size;
+    let regions = |cone: &Cone| match tip_is_arc(cone, binning.footprint, size) {
+        true => (true, true),
+        false => binning.regions(cone),
+    };
+    let found: Vec<(bool, bool)> = cones.par_iter().map(regions).collect();
+    for (cone, (interior, arc)) in cones.iter().zip(found) {
+        counts.wide += u64::from(cone.flags & WIDE != 0 && (interior || arc));
+        counts.outside += u64::from(!interior && !arc);
+        counts.empty_arc += u64::from(interior && !arc && cone.flags & NO_ECHO == 0);
     }
 }
 

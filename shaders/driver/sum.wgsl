@@ -1,4 +1,4 @@
-// The sum of each reading's parts, in tile order; twin of src/kernels/cpu/mod.rs (sums).
+// The sum of each reading's parts, added in tile order to what its share holds; twin of src/kernels/cpu/mod.rs (sums).
 //
 // A thread a reading. Within a tile it adds down the four columns of threads, then across.
 
@@ -10,7 +10,7 @@ fn sum(@builtin(global_invocation_id) id: vec3<u32>) {
     if reading >= arrayLength(&cones) {
         return;
     }
-    var sum = 0.0;
+    var sum = bitcast<f32>(shares[reading].x);
     for (var k = first_part[reading]; k < first_part[reading + 1u]; k++) {
         var columns = vec4<f32>(0.0);
         for (var at = k * 64u; at < k * 64u + 64u; at += 4u) {

@@ -83,39 +83,41 @@ fn exact(cone: &Cone, footprint: Footprint, size: [usize; 2], corner: [i64; 2]) 
 
 /// Holds every tile's list against exact membership; returns how many tiles were listed for nothing, and how many inside.
 fn check(size: [usize; 2], footprint: Footprint, no_echo_arcs: bool, cones: Vec<Cone>) -> (usize, usize) {
-    let binning = Binning { size, footprint, no_echo_arcs };
+    let binning = Binning { size, footprint, no_echo_arcs, only: None };
     let batch = binning.bin(cones);
     let lists = lists(&batch);
     let (mut spare, mut inside) = (0, 0);
     let mut parts: Vec<Vec<u32>> = vec![Vec::new(); batch.cones.len()];
-    for j in 0..size[1].div_ceil(TILE) {
-        for i in 0..size[0].div_ceil(TILE) {
-            let corner = [(i * TILE) as u32, (j * TILE) as u32];
-            let list = lists.get(&corner).map_or(&[][..], Vec::as_slice);
-            assert!(list.windows(2).all(|w| w[0].index() < w[1].index()), "tile {corner:?}: not in log order");
-            let mut entries = list.iter().peekable();
-            for (k, cone) in batch.cones.iter().enumerate() {
-                let entry = entries.next_if(|e| e.index() == k);
-                let (any, arc, all) = exact(cone, footprint, size, corner.map(i64::from));
-                let arc = arc && (no_echo_arcs || cone.flags & NO_ECHO == 0);
-                match entry {
-                    None => assert!(!any, "tile {corner:?} misses cone {cone:?}"),
-                    Some(e) => {
-                        assert!(!arc || e.cone & ARC != 0, "tile {corner:?}: no arc flag for {cone:?}");
-                        assert!(all || e.cone & INSIDE == 0, "tile {corner:?} is not inside {cone:?}");
-                        assert!(e.cone & INSIDE == 0 || e.cone & ARC == 0 || footprint == Footprint::Axis);
-                        if e.cone & ARC != 0 {
-                            parts[k].push(e.slot);
-                        }
-                        spare += usize::from(!any);
-                        inside += usize::from(e.cone & INSIDE != 0);
+    let [across, up] = size.map(|s| s.div_ceil(TILE));
+    let mut tiles: Vec<[usize; 2]> = (0..up).flat_map(|j| (0..across).map(move |i| [i, j])).collect();
+    // chunk by chunk, and in each tile row by tile row
+    tiles.sort_by_key(|[i, j]| [j / CHUNK, i / CHUNK, *j, *i]);
+    for [i, j] in tiles {
+        let corner = [(i * TILE) as u32, (j * TILE) as u32];
+        let list = lists.get(&corner).map_or(&[][..], Vec::as_slice);
+        assert!(list.windows(2).all(|w| w[0].index() < w[1].index()), "tile {corner:?}: not in log order");
+        let mut entries = list.iter().peekable();
+        for (k, cone) in batch.cones.iter().enumerate() {
+            let entry = entries.next_if(|e| e.index() == k);
+            let (any, arc, all) = exact(cone, footprint, size, corner.map(i64::from));
+            let arc = arc && (no_echo_arcs || cone.flags & NO_ECHO == 0);
+            match entry {
+                None => assert!(!any, "tile {corner:?} misses cone {cone:?}"),
+                Some(e) => {
+                    assert!(!arc || e.cone & ARC != 0, "tile {corner:?}: no arc flag for {cone:?}");
+                    assert!(all || e.cone & INSIDE == 0, "tile {corner:?} is not inside {cone:?}");
+                    assert!(e.cone & INSIDE == 0 || e.cone & ARC == 0 || footprint == Footprint::Axis);
+                    if e.cone & ARC != 0 {
+                        parts[k].push(e.slot);
                     }
+                    spare += usize::from(!any);
+                    inside += usize::from(e.cone & INSIDE != 0);
                 }
             }
-            assert!(entries.next().is_none());
         }
+        assert!(entries.next().is_none());
     }
-    // A reading's parts stand side by side, tile row by tile row, none twice.
+    // A reading's parts stand side by side, chunk by chunk and tile row by tile row, none twice.
     assert_eq!(batch.first_part.len(), batch.cones.len() + 1);
     for (k, parts) in parts.iter().enumerate() {
         let own: Vec<u32> = (batch.first_part[k]..batch.first_part[k + 1]).collect();
@@ -188,7 +190,7 @@ fn many(count: u32) -> Vec<Cone> {
 fn lists_are_tight_enough_and_some_tiles_are_inside() {
     let cones = many(300);
     let entries: usize = {
-        let binning = Binning { size: GRIDS[0], footprint: Footprint::Cone, no_echo_arcs: true };
+        let binning = Binning { size: GRIDS[0], footprint: Footprint::Cone, no_echo_arcs: true, only: None };
         binning.bin(cones.clone()).chunks.iter().map(|c| c.entries.len()).sum()
     };
     let (spare, inside) = check(GRIDS[0], Footprint::Cone, true, cones);
@@ -199,7 +201,7 @@ fn lists_are_tight_enough_and_some_tiles_are_inside() {
 #[test]
 fn the_number_of_threads_leaves_no_trace() {
     let cones = many(3000);
-    let binning = Binning { size: GRIDS[0], footprint: Footprint::Cone, no_echo_arcs: true };
+    let binning = Binning { size: GRIDS[0], footprint: Footprint::Cone, no_echo_arcs: true, only: None };
     let bin = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| binning.bin(cones.clone()))
@@ -224,7 +226,7 @@ fn the_number_of_threads_leaves_no_trace() {
 
 #[test]
 fn no_readings_make_no_tiles() {
-    let binning = Binning { size: GRIDS[0], footprint: Footprint::Cone, no_echo_arcs: false };
+    let binning = Binning { size: GRIDS[0], footprint: Footprint::Cone, no_echo_arcs: false, only: None };
     let batch = binning.bin(Vec::new());
     assert!(batch.chunks.is_empty() && batch.cones.is_empty());
     assert_eq!(batch.first_part, [0]);

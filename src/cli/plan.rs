@@ -114,5 +114,7 @@ fn step_name(step: &Step) -> &'static str {
         Step::Pass(method::Pass::Fuse, _) => "fuse",
         Step::Sum => "sum",
         Step::Share => "share",
+        Step::Hand => "hand over",
+        Step::Tally => "tally",
     }
 }

@@ -1,10 +1,10 @@
 //! A backend that only counts: what a run would be, for `plan`.
 
-use super::{Backend, Chunks, Limits, Outcomes};
+use super::{Backend, Chunks, Limits, Shares};
 use crate::Result;
 use crate::batch::Batch;
 use crate::layout::Frame;
-use crate::method::Method;
+use crate::method::{Method, Step};
 use std::collections::BTreeMap;
 
 /// What one chunk would get.
@@ -36,13 +36,17 @@ impl Backend for Dry {
         Limits { readings: 1 << 24, entries: usize::MAX, parts: usize::MAX }
     }
 
-    fn apply(&mut self, _: &dyn Method, _: Frame, batch: &Batch, _: Outcomes, _: usize) -> Result<()> {
+    fn apply(&mut self, _: &dyn Method, _: Frame, batch: &Batch, _: &[Step], _: &mut Shares) -> Result<()> {
         for list in &batch.chunks {
             let load = self.chunks.entry([list.place[1], list.place[0]]).or_default();
             load.entries += list.entries.len() as u64;
             load.tiles += list.tiles.len() as u64;
         }
         Ok(())
+    }
+
+    fn take(&mut self, _: [u32; 2]) -> Result<Option<Vec<u32>>> {
+        Ok(None)
     }
 
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {

@@ -9,16 +9,17 @@ pub use choose::{Choice, Chosen, choose, gpu_required};
 
 use crate::Result;
 use crate::batch::Batch;
-use crate::layout::{self, Frame};
-use crate::method::{self, Method};
+use crate::layout::{self, Cone, Frame, NO_ECHO};
+use crate::method::{self, Method, Step};
 use crate::reading::Outcome;
 use std::collections::BTreeMap;
 
 /// The cells of the chunks that readings reached: words, tile by tile, plane by plane, row by row; by chunk row and column.
 pub type Chunks = BTreeMap<[u32; 2], Vec<u32>>;
 
-/// A batch's readings' outcomes are needed for their shares; one a cone.
-pub type Outcomes<'a> = &'a [Outcome];
+/// What a reading's steps have found for it so far, for each cone of a batch: the bits of a sum, a count, or what
+/// [`Method::share`] made of it.
+pub type Shares = Vec<[u32; 4]>;
 
 /// The most that a batch may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +32,7 @@ pub struct Limits {
     pub parts: usize,
 }
 
-/// Something that runs a method's sweeps over batches and keeps the cells.
+/// Something that runs a method's steps over batches and keeps the cells.
 pub trait Backend {
     /// `cpu` or `gpu`.
     fn name(&self) -> &'static str;
@@ -42,14 +43,15 @@ pub trait Backend {
     /// What a batch may come to; more, and it is split.
     fn limits(&self) -> Limits;
 
-    /// Runs sweep number `sweep` of the method over a batch.
+    /// Runs the steps over a batch, in order. `shares`, one a cone or empty for none, is where they start from; only
+    /// [`Step::Hand`] and [`Step::Tally`] change it.
     fn apply(
         &mut self,
         method: &dyn Method,
         frame: Frame,
         batch: &Batch,
-        outcomes: Outcomes,
-        sweep: usize,
+        steps: &[Step],
+        shares: &mut Shares,
     ) -> Result<()>;
 
     /// Returns when all that was applied is done.
@@ -57,7 +59,10 @@ pub trait Backend {
         Ok(())
     }
 
-    /// Hands over the cells and forgets them.
+    /// Hands over the cells of the chunk in this row and column, and forgets them; `None`: nothing reached it.
+    fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>>;
+
+    /// Hands over all cells and forgets them.
     fn finish(&mut self, method: &dyn Method) -> Result<Chunks>;
 }
 
@@ -71,6 +76,13 @@ pub fn fresh_chunk(method: &dyn Method) -> Vec<u32> {
 }
 
 /// Each reading's share from its count of arc cells.
-pub fn shares(method: &dyn Method, counts: impl Iterator<Item = u32>, outcomes: Outcomes) -> Vec<[u32; 4]> {
-    counts.zip(outcomes).map(|(count, outcome)| method.share(count, *outcome)).collect()
+pub fn shares(method: &dyn Method, counts: impl Iterator<Item = u32>, cones: &[Cone]) -> Shares {
+    let outcome = |cone: &Cone| if cone.flags & NO_ECHO != 0 { Outcome::NoEcho } else { Outcome::Hit };
+    counts.zip(cones).map(|(count, cone)| method.share(count, outcome(cone))).collect()
+}
+
+/// Adds counts to those in the shares.
+fn tally(shares: &mut Shares, counts: impl Iterator<Item = u32>, cones: usize) {
+    shares.resize(cones, [0; 4]);
+    shares.iter_mut().zip(counts).for_each(|(share, count)| share[0] += count);
 }

@@ -9,7 +9,7 @@
 //! occupancy.
 
 use super::settings::{Certainty, Order, Settings};
-use super::{Entry, LayerSpec, Method, Pass, Step};
+use super::{Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
@@ -157,6 +157,20 @@ impl Method for Certainty {
                 &[Step::Pass(Pass::Weigh, 0), Step::Sum, Step::Pass(Pass::Fuse, OCCUPY)],
             ],
         }
+    }
+
+    fn rounds(&self) -> Option<Rounds> {
+        // Emptiness never depends on occupancy: the sums of every reading come first, chunk by chunk.
+        const WEIGH: Steps = &[Step::Pass(Pass::Weigh, FREE), Step::Sum, Step::Hand, Step::Pass(Pass::Fuse, FREE)];
+        const FREE_FIRST: Steps = &[Step::Pass(Pass::Fuse, FREE)];
+        const THEN_WEIGH: Steps = &[Step::Pass(Pass::Weigh, 0), Step::Sum, Step::Hand];
+        Some(match self.order {
+            Order::Sequential => &[&[WEIGH], &[&[Step::Pass(Pass::Fuse, FREE | OCCUPY | COUNT)]]],
+            Order::Batch => &[
+                &[FREE_FIRST, THEN_WEIGH],
+                &[&[Step::Pass(Pass::Fuse, FREE | COUNT)], &[Step::Pass(Pass::Fuse, OCCUPY)]],
+            ],
+        })
     }
 
     fn profile(&self, sensor: &Sensor, snapped: &Snapped) -> [f32; 4] {

@@ -4,7 +4,7 @@
 //! −Σ ln(1 − e) and −Σ ln(1 − f). They are kept in 64-bit fixed point: exact, free of order, the same on every backend.
 
 use super::settings::{DempsterShafer, MassModel, Rho, Settings};
-use super::{Entry, LayerSpec, Method, Pass, Step};
+use super::{Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
@@ -122,6 +122,15 @@ impl Method for DempsterShafer {
             MassModel::Pagac => &[&[Step::Pass(Pass::Count, 0), Step::Share, Step::Pass(Pass::Fuse, COUNT)]],
             MassModel::Murphy => &[&[Step::Pass(Pass::Fuse, COUNT)]],
         }
+    }
+
+    fn rounds(&self) -> Option<Rounds> {
+        const COUNTED: Steps = &[Step::Pass(Pass::Count, 0), Step::Tally];
+        const FUSE: Steps = &[Step::Pass(Pass::Fuse, COUNT)];
+        Some(match self.model {
+            MassModel::Pagac => &[&[COUNTED], &[FUSE]],
+            MassModel::Murphy => &[&[FUSE]],
+        })
     }
 
     fn constants(&self) -> [[f32; 4]; 2] {

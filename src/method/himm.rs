@@ -6,7 +6,7 @@
 //! halves stay exact integers on every machine.
 
 use super::settings::{Himm, Settings};
-use super::{Entry, LayerSpec, Method, Pass, Step};
+use super::{Entry, LayerSpec, Method, Pass, Rounds, Step};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
@@ -82,6 +82,10 @@ impl Method for Himm {
 
     fn sweeps(&self) -> &'static [&'static [Step]] {
         &[&[Step::Pass(Pass::Fuse, COUNT)]]
+    }
+
+    fn rounds(&self) -> Option<Rounds> {
+        if self.gro { None } else { Some(&[&[&[Step::Pass(Pass::Fuse, COUNT)]]]) }
     }
 
     fn layers(&self) -> &'static [LayerSpec] {

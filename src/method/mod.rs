@@ -36,11 +36,22 @@ pub enum Pass {
 pub enum Step {
     /// A kernel over every chunk, with the frame's mode bits.
     Pass(Pass, u32),
-    /// Each reading's parts into its share, in tile order.
+    /// Each reading's parts, added in tile order to what its share holds.
     Sum,
     /// Each reading's share from its count, on the host.
     Share,
+    /// Hands the shares to the host (the whole-log way).
+    Hand,
+    /// Adds each reading's count to its share, on the host (the whole-log way).
+    Tally,
 }
+
+/// The whole-log way: rounds over the chunks; in each a chunk's readings are gone through once or more, with these steps
+/// over each of their batches. What the last round leaves is the map.
+pub type Rounds = &'static [&'static [Steps]];
+
+/// Steps over a batch, in order.
+pub type Steps = &'static [Step];
 
 /// A layer that a method makes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,6 +83,12 @@ pub trait Method: Send + Sync {
 
     /// The steps over each batch, in order, for each sweep over the log.
     fn sweeps(&self) -> &'static [&'static [Step]];
+
+    /// The rounds of the whole-log way; `None`: a cell needs its neighbours in other chunks, so that the chunks must be
+    /// resident together.
+    fn rounds(&self) -> Option<Rounds> {
+        Some(&[&[&[Step::Pass(Pass::Fuse, layout::COUNT)]]])
+    }
 
     /// The method's own numbers in the frame.
     fn constants(&self) -> [[f32; 4]; 2] {

@@ -82,5 +82,5 @@ pub(crate) fn on_arc(ping: &Ping, arc: &Arc) -> Vec<Echo> {
 fn place(ping: &Ping, p: Point, square: f64, class: Option<u16>) -> Option<Echo> {
     let (d, gain) = ping.towards(p)?;
     let amplitude = gain * gain * loss(d) * SCATTER * square;
-    Some(Echo { d, amplitude, way: [p; 3], events: 1, round: false, class })
+    Some(Echo { d, amplitude, way: [p; 3], events: 1, round: false, corner: false, class })
 }

@@ -52,6 +52,8 @@ pub(crate) struct Echo {
     pub events: usize,
     /// Whether it comes back from the last place directly, not the way it went.
     pub round: bool,
+    /// Whether the last place is a corner.
+    pub corner: bool,
     pub class: Option<u16>,
 }
 
@@ -125,7 +127,9 @@ impl Scene {
             }
             for (k, wall) in scene.mirrors() {
                 let (image, keeps) = (mirror(corner.at, wall.a, wall.b), wall.surface.reflection().powi(2));
-                if wall.faces(corner.at) && within(image, &|d| keeps * corner.reflection(d)) {
+                // a corner on the mirror's own line is its own image
+                let apart = distance(image, corner.at) > 2.0 * SAME;
+                if apart && wall.faces(corner.at) && within(image, &|d| keeps * corner.reflection(d)) {
                     scene.targets.push(Target { image, corner: *corner, mirror: Some(k), keeps });
                 }
             }
@@ -134,7 +138,8 @@ impl Scene {
             scene.rounds.push(Round { image: arc.centre, arc, mirror: None, keeps: 1.0 });
             for (k, wall) in scene.mirrors() {
                 let (image, keeps) = (mirror(arc.centre, wall.a, wall.b), wall.surface.reflection().powi(2));
-                if wall.faces(arc.centre) && distance(image, centre) <= reach + spread + arc.radius {
+                let before = wall.faces(arc.centre) || distance(image, arc.centre) < 2.0 * arc.radius;
+                if before && distance(image, centre) <= reach + spread + arc.radius {
                     scene.rounds.push(Round { image, arc, mirror: Some(k), keeps });
                 }
             }
@@ -174,7 +179,7 @@ impl Scene {
         let mut from = at;
         for (k, &to) in way.iter().enumerate() {
             // walls that make a corner may overlap by a hair
-            let end = if k + 1 == way.len() && !echo.round { 1.1 * SAME } else { TRIM };
+            let end = if k + 1 == way.len() && echo.corner { 1.1 * SAME } else { TRIM };
             if !self.clear(from, to, end) {
                 return false;
             }
@@ -205,7 +210,8 @@ impl Scene {
                 continue;
             };
             if target.corner.faces(seen_from) {
-                echoes.push(Echo { d, amplitude, way, events, round: false, class: target.corner.class });
+                let class = target.corner.class;
+                echoes.push(Echo { d, amplitude, way, events, round: false, corner: true, class });
             }
         }
     }
@@ -238,7 +244,7 @@ impl Scene {
                 };
                 let Some((way, events, _)) = self.through(ping.at, at, seems, round.mirror) else { continue };
                 if arc.spans(sub(at, arc.centre)) {
-                    echoes.push(Echo { d, amplitude, way, events, round: false, class: arc.class });
+                    echoes.push(Echo { d, amplitude, way, events, round: false, corner: false, class: arc.class });
                 }
             }
         }
@@ -307,4 +313,4 @@ impl Ping {
 }
 
 /// κ = ½ ln(A(0.15)/A(5)).
-const KAPPA: f64 = 2.626;
+const KAPPA: f64 = 2.626_278_948_659_99;

@@ -115,7 +115,7 @@ impl Trace<'_> {
         let amplitude = arrives * departs * loss(d) * rho;
         if amplitude >= self.worth {
             let class = wall(walls[0]).class;
-            self.echoes.push(Echo { d, amplitude, way, events: n, round: n > 1, class });
+            self.echoes.push(Echo { d, amplitude, way, events: n, round: n > 1, corner: false, class });
         }
     }
 }

@@ -109,7 +109,7 @@ pub fn kernels_of(method: &dyn Method) -> BTreeSet<Kernel> {
     let kernel = |step: &Step| match step {
         Step::Pass(pass, _) => Some(Kernel::from(*pass)),
         Step::Sum => Some(Kernel::Sum),
-        Step::Share => None,
+        Step::Share | Step::Hand | Step::Tally => None,
     };
     method.sweeps().iter().copied().flatten().filter_map(kernel).collect()
 }

@@ -6,7 +6,7 @@ use echogrid::batch::{Batch, Binning};
 use echogrid::grid::GridSpec;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::kernels::{Backend, Chunks};
-use echogrid::layout::{CELL, CHUNK, Cone, Frame, NO_ECHO, TILE, TILE_CELLS};
+use echogrid::layout::{CELL, CHUNK, Cone, Frame, TILE, TILE_CELLS};
 use echogrid::method::{self, Method, Step};
 use echogrid::oracle::OracleMap;
 use echogrid::reading::{Outcome, Reading};
@@ -44,18 +44,16 @@ fn on(grid: GridSpec, readings: &[Reading]) -> Scene {
 /// Runs a method on cones as they are; the state of each cell, word by word.
 fn run_cones(method: &dyn Method, size: [usize; 2], cones: Vec<Cone>, grid: &GridSpec) -> Vec<Vec<u32>> {
     let mut cpu = Cpu::new(1).unwrap();
-    let outcome = |c: &Cone| if c.flags & NO_ECHO != 0 { Outcome::NoEcho } else { Outcome::Hit };
-    let outcomes: Vec<Outcome> = cones.iter().map(outcome).collect();
-    for (sweep, steps) in method.sweeps().iter().enumerate() {
+    for steps in method.sweeps() {
         let no_echo_arcs = steps.contains(&Step::Share);
-        let batch: Batch = Binning { size, footprint: method.footprint(), no_echo_arcs }.bin(cones.clone());
+        let batch: Batch = Binning { size, footprint: method.footprint(), no_echo_arcs, only: None }.bin(cones.clone());
         let frame = Frame {
             size: size.map(|s| s as u32),
             mode: 0,
             scale: (grid.resolution / f64::from(CELL)) as f32,
             constants: method.constants(),
         };
-        cpu.apply(method, frame, &batch, &outcomes, sweep).unwrap();
+        cpu.apply(method, frame, &batch, steps, &mut Vec::new()).unwrap();
     }
     cells(method, size, &cpu.finish(method).unwrap())
 }

@@ -118,12 +118,14 @@ fn an_entry_limit_that_splits_batches_changes_nothing() {
             method: &dyn method::Method,
             frame: echogrid::layout::Frame,
             batch: &echogrid::batch::Batch,
-            outcomes: echogrid::kernels::Outcomes,
-            sweep: usize,
+            steps: &[method::Step],
+            shares: &mut echogrid::kernels::Shares,
         ) -> echogrid::Result<()> {
             assert!(batch.chunks.iter().all(|c| c.entries.len() <= self.1));
-            assert_eq!(outcomes.len(), batch.cones.len());
-            self.0.apply(method, frame, batch, outcomes, sweep)
+            self.0.apply(method, frame, batch, steps, shares)
+        }
+        fn take(&mut self, place: [u32; 2]) -> echogrid::Result<Option<Vec<u32>>> {
+            self.0.take(place)
         }
         fn finish(&mut self, method: &dyn method::Method) -> echogrid::Result<echogrid::kernels::Chunks> {
             self.0.finish(method)

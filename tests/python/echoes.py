@@ -2,9 +2,9 @@
 
     echoes.py WORLD.toml LOG.jsonl BOUNCES [--allow SHARE]
 
-The log must come from a rig without noise, flutter, false echoes and cross-talk. Each echo is found by image sources for
-all readings at once; nothing here follows the Rust in src/world/, so that one can check the other. Says how many readings
-agree, describes the first ten that don't, and fails if they are more than the share that is allowed.
+The log must come from a rig without noise, flutter, false echoes and cross-talk. Each echo is found by image sources,
+for all readings at once; nothing here follows the Rust in src/world/, so that one can check the other. Says how many
+readings agree, describes the first ten that don't, and fails if they are more than the share that is allowed.
 """
 
 import argparse
@@ -119,7 +119,7 @@ class Arc:
 
 @dataclass
 class Corner:
-    """A concave corner or a convex edge: the sector from the bearing `start` counter-clockwise over `opening` is free."""
+    """A concave corner or a convex edge: from the bearing `start` counter-clockwise over `opening` all is free."""
 
     at: np.ndarray
     start: float
@@ -233,11 +233,15 @@ class Sound:
         self.range = np.array([math.inf if r["z"] is None else r["z"] for r in readings])
         self.walls, self.arcs = walls, arcs
         self.nearest, self.what = np.full(len(readings), math.inf), ["no echo"] * len(readings)
-        self.rough_surfaces()
+        # pairs of walls some of each of which lies on a free side of the other
+        sees = [[np.any(one.faces(np.array([other.a, other.b]))) for other in walls] for one in walls]
+        self.facing = {(i, j) for i, j in product(range(len(walls)), repeat=2) if sees[i][j] and sees[j][i]}
         corners = find_corners(walls)
+        self.walls_in_turn(1)
+        self.rough_surfaces()
         for mirror in [None, *range(len(walls))] if bounces == 3 else [None]:
             self.corners_and_arcs(corners, mirror)
-        for events in range(1, bounces + 1):
+        for events in range(2, bounces + 1):
             self.walls_in_turn(events)
 
     def audible(self, d, departs, arrives, rho, ok):
@@ -255,10 +259,11 @@ class Sound:
         return ~np.any([(t > low) & (t < high) for t in hits], axis=0)
 
     def keep(self, k, d, way, what, end=HAIR):
-        """Takes the echoes whose legs are all in sight."""
+        """Takes the echoes whose legs are all in sight, the last but for what is within `end` of its end."""
         for leg in range(len(way) - 1):
-            seen = self.clear(way[leg], way[leg + 1], end)
-            k, way = k[seen], [p[seen] for p in way]
+            if len(k):
+                seen = self.clear(way[leg], way[leg + 1], end if leg == len(way) - 2 else HAIR)
+                k, way = k[seen], [p[seen] for p in way]
         self.nearest[k] = d[k]
         for reading in k:
             self.what[reading] = what
@@ -269,7 +274,7 @@ class Sound:
         return p + t[:, None] * (image - p), (t > 1e-9) & (t < 1) & wall.faces(p)
 
     def walls_in_turn(self, events):
-        """Closed ways: S mirrored in each wall in turn is T, from where the echo seems to come; d = |ST|/2, ρ = Π ρᵢ."""
+        """Closed ways: S mirrored in each wall in turn is T, whence the echo seems to come; d = |ST|/2, ρ = Π ρᵢ."""
         for order in product(range(len(self.walls)), repeat=events):
             turn = [self.walls[k] for k in order]
             # a way and its reverse are one echo; that of a square corner's two walls is the corner's
@@ -291,33 +296,24 @@ class Sound:
             way = [self.at[k], *way] if events > 1 else way
             self.keep(k[ok], d, [p[ok] for p in way], "walls " + ", ".join(map(str, order)))
 
-    @property
-    def facing(self):
-        """Pairs of walls some of each of which lies on a free side of the other."""
-        if not hasattr(self, "_facing"):
-            sees = [[bool(np.any(w.faces(np.array([v.a, v.b])))) for v in self.walls] for w in self.walls]
-            pairs = product(range(len(self.walls)), repeat=2)
-            self._facing = {(i, j) for i, j in pairs if i != j and sees[i][j] and sees[j][i]}
-        return self._facing
-
     def reflector(self, at, rho, ok, what, mirror=None, faces=None, end=HAIR):
-        """Points, one for each reading, that send sound back the way it came, directly or through a wall, which costs its
-        reflection twice; `faces` says from where they answer."""
+        """Points, one for each reading, that send sound back the way it came, directly or through a wall, which costs
+        its reflection twice; `faces` says from where they answer."""
         wall = None if mirror is None else self.walls[mirror]
         seems = at if wall is None else wall.image(at)
         d = length(seems - self.at)
         k = self.audible(d, seems - self.at, seems - self.at, rho(d) * (1 if wall is None else wall.keeps**2), ok)
         way, ok = [self.at[k], at[k]], np.full(len(k), True)
-        if wall is not None:
+        if wall is not None and len(k):
             p, ok = self.bounce(self.at[k], seems[k], wall)
             way, ok, what = [way[0], p, way[1]], ok & wall.faces(at[k]), f"{what} through wall {mirror}"
         if faces is not None:
-            ok &= faces(way[-2])
+            ok = ok & faces(way[-2])
         self.keep(k[ok], d, [p[ok] for p in way], what, end)
 
     def corners_and_arcs(self, corners, mirror):
-        """Corners and edges; an arc's near point, ρ = √(a/(a + d)) from outside, and the far point of one that is hollow or
-        open, ρ = 1, as the near point's from inside; less where the arc isn't smooth."""
+        """Corners and edges, and arcs: of one of radius a the near point, ρ = √(a/(a + d)) from outside, 1 from inside,
+        and the far point of one that is hollow or open, ρ = 1; less where the arc isn't smooth."""
         for corner in corners:
             if mirror is None or abs(self.walls[mirror].height(corner.at)) > JOIN:
                 at = np.broadcast_to(corner.at, self.at.shape)
@@ -371,9 +367,8 @@ def main():
     options = options.parse_args()
     with np.errstate(divide="ignore", invalid="ignore"):
         sound = Sound(*read_world(options.world), options.log, options.bounces)
-        both = sound.range == sound.nearest  # both infinite: ranges in the log are rounded
         equal = np.abs(sound.range - sound.nearest) <= TOLERANCE
-    neither = both & np.isinf(sound.range)
+    neither = np.isinf(sound.range) & np.isinf(sound.nearest)
     differ = np.flatnonzero(~equal & ~neither)
     print(f"{len(equal)} readings, {equal.sum()} equal, {neither.sum()} missing in both, {len(differ)} differ")
     for k in differ[:10]:

@@ -6,7 +6,7 @@ mod walk;
 
 pub use walk::{Job, Kernel, walk};
 
-use super::{Backend, Chunks, Limits, Outcomes, fresh_chunk, shares};
+use super::{Backend, Chunks, Limits, Shares, fresh_chunk, shares, tally};
 use crate::batch::{Batch, ChunkList};
 use crate::layout::Frame;
 use crate::method::settings::Settings;
@@ -50,8 +50,8 @@ impl Backend for Cpu {
         method: &dyn Method,
         frame: Frame,
         batch: &Batch,
-        outcomes: Outcomes,
-        sweep: usize,
+        steps: &[Step],
+        shares_so_far: &mut Shares,
     ) -> Result<()> {
         let Cpu { pool, chunks } = self;
         if let Settings::Himm(himm) = method.settings()
@@ -62,9 +62,10 @@ impl Backend for Cpu {
         }
         let parts = batch.first_part.last().copied().unwrap_or(0) as usize;
         let parts: Vec<AtomicU32> = (0..parts.max(batch.cones.len())).map(|_| AtomicU32::new(0)).collect();
-        let mut share: Vec<[u32; 4]> = Vec::new();
+        let counts = || parts.iter().map(|p| p.load(Ordering::Relaxed));
+        let mut share = shares_so_far.clone();
         pool.install(|| {
-            for step in method.sweeps()[sweep] {
+            for step in steps {
                 match *step {
                     Step::Pass(pass, mode) => {
                         let frame = Frame { mode, ..frame };
@@ -74,12 +75,18 @@ impl Backend for Cpu {
                             run(method, pass, &frame, batch, list, &parts, &share, state);
                         }
                     }
-                    Step::Sum => share = sums(batch, &parts),
-                    Step::Share => share = shares(method, parts.iter().map(|p| p.load(Ordering::Relaxed)), outcomes),
+                    Step::Sum => share = sums(batch, &parts, &share),
+                    Step::Share => share = shares(method, counts(), &batch.cones),
+                    Step::Hand => shares_so_far.clone_from(&share),
+                    Step::Tally => tally(shares_so_far, counts(), batch.cones.len()),
                 }
             }
         });
         Ok(())
+    }
+
+    fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>> {
+        Ok(self.chunks.remove(&place))
     }
 
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
@@ -114,14 +121,16 @@ fn run(
     });
 }
 
-/// The sum of each reading's parts, in tile order; twin of `shaders/driver/sum.wgsl`.
-fn sums(batch: &Batch, parts: &[AtomicU32]) -> Vec<[u32; 4]> {
+/// The sum of each reading's parts, added in tile order to what its share holds; twin of `shaders/driver/sum.wgsl`.
+fn sums(batch: &Batch, parts: &[AtomicU32], shares: &[[u32; 4]]) -> Shares {
+    let before = |k: usize| shares.get(k).map_or(0.0, |s| f32::from_bits(s[0]));
     let part = |k: u32| f32::from_bits(parts[k as usize].load(Ordering::Relaxed));
     batch
         .first_part
         .windows(2)
-        .map(|w| {
-            let sum = (w[0]..w[1]).fold(0.0, |sum, k| sum + part(k));
+        .enumerate()
+        .map(|(k, w)| {
+            let sum = (w[0]..w[1]).fold(before(k), |sum, k| sum + part(k));
             [f32::to_bits(sum), 0, 0, 0]
         })
         .collect()

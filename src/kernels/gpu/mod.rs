@@ -5,7 +5,7 @@ mod device;
 mod pass;
 pub mod shader;
 
-use super::{Backend, Chunks, Limits, Outcomes, fresh_chunk, shares};
+use super::{Backend, Chunks, Limits, Shares, fresh_chunk, shares, tally};
 use crate::batch::{Batch, ChunkList};
 use crate::layout::{CHUNK, Cone, Entry, Frame, WIDE};
 use crate::method::{self, Method, Step};
@@ -79,7 +79,7 @@ impl Gpu {
         &self.device.found
     }
 
-    fn upload(&self, batch: &Batch, sums: bool) -> BatchBuffers {
+    fn upload(&self, batch: &Batch, sums: bool, shares_so_far: &Shares) -> BatchBuffers {
         let input = Usage::STORAGE | Usage::COPY_DST;
         let device = &self.device;
         let slots = batch.first_part.last().copied().unwrap_or(0) as usize;
@@ -93,7 +93,7 @@ impl Gpu {
         BatchBuffers {
             cones: device.buffer("cones", &batch.cones, input),
             parts: device.zeros("parts", parts as u64),
-            shares: device.buffer("shares", &vec![[0u32; 4]; batch.cones.len()], input),
+            shares: device.buffer("shares", shares_so_far, input | Usage::COPY_SRC),
             first_part: device.buffer("first_part", &batch.first_part, input),
             chunks: batch.chunks.iter().map(chunk).collect(),
         }
@@ -147,17 +147,16 @@ impl Backend for Gpu {
         method: &dyn Method,
         frame: Frame,
         batch: &Batch,
-        outcomes: Outcomes,
-        sweep: usize,
+        steps: &[Step],
+        shares_so_far: &mut Shares,
     ) -> Result<()> {
         self.check(method)?;
-        let steps = method.sweeps()[sweep];
         let wide = batch.cones.iter().any(|c| c.flags & WIDE != 0);
         for step in steps {
             match step {
                 Step::Pass(pass, _) => self.passes.prepare(&self.device, method, (*pass).into(), wide)?,
                 Step::Sum => self.passes.prepare(&self.device, method, Kernel::Sum, wide)?,
-                Step::Share => {}
+                Step::Share | Step::Hand | Step::Tally => {}
             }
         }
         for list in &batch.chunks {
@@ -167,7 +166,8 @@ impl Backend for Gpu {
                 self.chunks.insert(place, self.device.buffer("chunk", &fresh_chunk(method), usage));
             }
         }
-        let buffers = self.upload(batch, steps.contains(&Step::Sum));
+        shares_so_far.resize(batch.cones.len(), [0; 4]);
+        let buffers = self.upload(batch, steps.contains(&Step::Sum), shares_so_far);
         let mut encoder = self.device.encoder();
         let record = |encoder: &mut _, kernel, frame: Frame, chunk: &ChunkBuffers, groups| {
             let Some(state) = self.chunks.get(&chunk.place) else { return };
@@ -192,8 +192,18 @@ impl Backend for Gpu {
                 Step::Share => {
                     self.device.submit(&mut encoder);
                     let counts = self.device.read(&buffers.parts)?;
-                    let shares = shares(method, counts.into_iter(), outcomes);
+                    let shares = shares(method, counts.into_iter(), &batch.cones);
                     self.device.queue.write_buffer(&buffers.shares, 0, bytemuck::cast_slice(&shares));
+                }
+                Step::Tally => {
+                    self.device.submit(&mut encoder);
+                    tally(shares_so_far, self.device.read(&buffers.parts)?.into_iter(), batch.cones.len());
+                }
+                Step::Hand => {
+                    self.device.submit(&mut encoder);
+                    let words = self.device.read(&buffers.shares)?;
+                    let handed = words.chunks_exact(4).map(|w| [w[0], w[1], w[2], w[3]]);
+                    shares_so_far.iter_mut().zip(handed).for_each(|(share, new)| *share = new);
                 }
             }
         }
@@ -207,6 +217,11 @@ impl Backend for Gpu {
     fn wait(&mut self) -> Result<()> {
         self.device.wait(None)?;
         self.healthy()
+    }
+
+    fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>> {
+        self.healthy()?;
+        self.chunks.remove(&place).map(|buffer| self.device.read(&buffer)).transpose()
     }
 
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
