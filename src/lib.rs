@@ -16,6 +16,7 @@ pub mod method;
 pub mod kernels;
 pub mod oracle;
 pub mod mapper;
+pub mod whole;
 pub mod layers;
 pub mod survey;
 pub mod session;
@@ -29,6 +30,7 @@ pub mod score;
 pub mod compare;
 pub mod cli;
 pub mod error;
+mod positioned;
 
 pub use error::{Error, Result};
 

@@ -1,8 +1,8 @@
 //! From readings to a map: snap, bin, run the method's sweeps on a backend, take the layers out.
 
-use crate::batch::Binning;
+use crate::batch::{Batch, Binning};
 use crate::grid::{GridSpec, Layer, Map};
-use crate::kernels::Backend;
+use crate::kernels::{Backend, Limits};
 use crate::layers;
 use crate::layout::{CELL, Cone, DIRECTION, Frame, NO_ECHO, WIDE};
 use crate::method::{self, Method};
@@ -113,18 +113,8 @@ impl<'a> Mapper<'a> {
         }
         let batch = binning.bin(snapped.into_iter().flatten().collect());
         self.work.binning_us += started.elapsed().as_micros() as u64;
-        let limits = self.backend.limits();
-        let entries = batch.chunks.iter().map(|c| c.entries.len()).max().unwrap_or(0);
         let sums = self.method.sweeps()[sweep].contains(&method::Step::Sum);
-        let parts = if sums { batch.first_part.last().map_or(0, |p| *p as usize) } else { 0 };
-        if entries > limits.entries || parts > limits.parts {
-            if items.len() == 1 {
-                return Err(Error::Resources(format!(
-                    "one reading reaches {entries} tiles of a chunk, more than the adapter's limit of {}: use a coarser \
-                     --resolution or --backend cpu",
-                    limits.entries.min(limits.parts)
-                )));
-            }
+        if too_large(&batch, sums, self.backend.limits(), items.len() == 1)? {
             return self.halves(sweep, items);
         }
         if sweep == 0 && self.counting {
@@ -133,12 +123,7 @@ impl<'a> Mapper<'a> {
         }
         self.work.batches += 1;
         self.work.entries += batch.chunks.iter().map(|c| c.entries.len() as u64).sum::<u64>();
-        let frame = Frame {
-            size: [self.grid.width as u32, self.grid.height as u32],
-            mode: 0,
-            scale: (self.grid.resolution / f64::from(CELL)) as f32,
-            constants: self.method.constants(),
-        };
+        let frame = frame(&self.grid, self.method);
         self.backend.apply(self.method, frame, &batch, self.method.sweeps()[sweep], &mut Vec::new())
     }
 
@@ -154,6 +139,31 @@ impl<'a> Mapper<'a> {
         let chunks = self.backend.finish(self.method)?;
         Ok(layers::from_chunks(&self.grid, self.method, &chunks))
     }
+}
+
+/// A pass over a grid, its mode still to be set.
+pub(crate) fn frame(grid: &GridSpec, method: &dyn Method) -> Frame {
+    Frame {
+        size: [grid.width as u32, grid.height as u32],
+        mode: 0,
+        scale: (grid.resolution / f64::from(CELL)) as f32,
+        constants: method.constants(),
+    }
+}
+
+/// Whether a batch comes to more than a backend takes; an error where it is one reading that can't be split.
+pub(crate) fn too_large(batch: &Batch, sums: bool, limits: Limits, one: bool) -> Result<bool> {
+    let entries = batch.chunks.iter().map(|c| c.entries.len()).max().unwrap_or(0);
+    let parts = if sums { batch.first_part.last().map_or(0, |p| *p as usize) } else { 0 };
+    let too_large = entries > limits.entries || parts > limits.parts;
+    if too_large && one {
+        return Err(Error::Resources(format!(
+            "one reading reaches {entries} tiles of a chunk, more than the adapter's limit of {}: use a coarser \
+             --resolution or --backend cpu",
+            limits.entries.min(limits.parts)
+        )));
+    }
+    Ok(too_large)
 }
 
 /// Counts the readings that reach no cell, those without arc cells, and the wide ones.

@@ -56,8 +56,8 @@ pub fn needed(grid: &GridSpec, method: &dyn Method, batch: usize) -> u64 {
     state + layers + batch as u64 * 80 + pairs * (2 * 24 + 8 + 64)
 }
 
-/// Fails where a run needs more than the cap, or than the machine has.
-pub fn check(needed: u64, cap: Option<u64>, grid: &GridSpec) -> Result<()> {
+/// Fails where a run needs more than the cap, or than the machine has; `remedy` says what to do.
+pub fn check(needed: u64, cap: Option<u64>, grid: &GridSpec, remedy: &str) -> Result<()> {
     let limit = match (cap, available()) {
         (Some(cap), _) if needed > cap => format!("--memory allows {}", show(cap)),
         (_, Some(free)) if needed > free => format!("this machine has {} free", show(free)),
@@ -65,8 +65,7 @@ pub fn check(needed: u64, cap: Option<u64>, grid: &GridSpec) -> Result<()> {
     };
     let (width, height, resolution) = (grid.width, grid.height, grid.resolution);
     Err(Error::Resources(format!(
-        "a map of {width} × {height} cells of {resolution} m needs {}, but {limit}: give smaller --bounds or a coarser \
-         --resolution",
+        "a map of {width} × {height} cells of {resolution} m needs {}, but {limit}: {remedy}",
         show(needed)
     )))
 }

@@ -117,7 +117,7 @@ impl Session {
 
     /// Fails where a run needs more than the cap, or than the machine has; names the pose that made the grid so large.
     pub fn check_memory(&self, needed: u64, cap: Option<u64>) -> Result<()> {
-        let checked = memory::check(needed, cap, &self.grid);
+        let checked = memory::check(needed, cap, &self.grid, "give smaller --bounds or a coarser --resolution");
         if self.bounded { checked } else { checked.map_err(|e| self.survey.explain(e, self.log.path())) }
     }
 

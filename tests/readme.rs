@@ -69,6 +69,40 @@ fn its_commands_parse() {
 }
 
 #[test]
+fn its_commands_run_one_after_the_other() {
+    let folder = tempfile::tempdir().unwrap();
+    // a log of a sonar and a laser, as the block's LOG has both
+    let line = |scan: u32, sensor: &str, z: f64| {
+        format!("{{\"scan\":{scan},\"sensor\":\"{sensor}\",\"px\":0.{scan},\"py\":0,\"ph\":0.{scan},\"z\":{z}}}\n")
+    };
+    let mut log = String::from(
+        "{\"echogrid_log\":1,\"sensors\":[{\"id\":\"s\"},{\"id\":\"l\",\"kind\":\"laser\",\"half_width\":\"1deg\"}]}\n",
+    );
+    (0..5).for_each(|k| log += &(line(k, "s", 1.2) + &line(k, "l", 2.0)));
+    std::fs::write(folder.path().join("LOG"), log).unwrap();
+    let worlds = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds");
+    std::fs::create_dir(folder.path().join("worlds")).unwrap();
+    std::fs::copy(worlds.join("bend.toml"), folder.path().join("worlds/bend.toml")).unwrap();
+    let mut ran = 0;
+    for command in commands(&readme()) {
+        // a benchmark takes its time, and says nothing here
+        if command == "echogrid bench" || command.contains("demo") {
+            continue;
+        }
+        let run = std::process::Command::new(env!("CARGO_BIN_EXE_echogrid"))
+            .current_dir(folder.path())
+            .args(&words(&command)[1..])
+            .output()
+            .unwrap();
+        // out and other may be made by different backends
+        let code = run.status.code().unwrap_or(-1);
+        assert!(code == 0 || (code == 1 && command.contains("compare")), "{command}: {run:?}");
+        ran += 1;
+    }
+    assert!(ran >= 9, "{ran} commands ran");
+}
+
+#[test]
 fn commands_are_found_and_taken_apart() {
     let text = "```console\n$ echogrid map a.log \\\n    -o 'my map' > x  # a comment\nmethod  bayes\n$ cargo build && echogrid demo\n\
                 ```\n```rust\nechogrid map\n```\n```sh\nechogrid doctor | head\n```\n";

@@ -43,7 +43,7 @@ fn one_bounce_only_leaves_a_fraction_of_the_danger() {
         (1..=3).map(|seed| mapped(&shipped(name), &rig, seed, "bayes", None).zones.z5).sum()
     };
     // Z5 over three seeds, one bounce to three: between a tenth and a quarter; in the room of 4.6 × 3.4 m, where most third
-    // echoes lie beyond the range, a third.
+    // echoes lie beyond the range, a third (as on the floor, whose rooms are large).
     for (name, low, high) in
         [("bend.toml", 0.1, 0.25), ("cartons.toml", 0.1, 0.25), ("turned.toml", 0.1, 0.25), ("room.toml", 0.2, 0.4)]
     {

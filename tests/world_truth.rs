@@ -106,13 +106,12 @@ fn a_wall_that_the_range_only_touches_is_not_seen() {
 fn arcs_pass_through_the_cells_that_they_pass_through() {
     // by a fine walk along the circle itself, from inside and outside; a quarter of it too
     for (free, span) in [("inside", 1.0), ("outside", 1.0), ("outside", 0.25)] {
-        let part = if span < 1.0 { "from = 0\nto = \"90deg\"\n" } else { "" };
+        let part = if span < 1.0 { "from = 0\nto = \"90deg\"".into() } else { format!("free = \"{free}\"") };
         let poses = match free {
             "inside" => "[[0.011, 0.013]]",
             _ => "[[2.0, 2.1], [-2.2, 1.9], [-2.0, -2.3], [2.1, -1.8]]",
         };
-        let text =
-            format!("[[circle]]\ncentre = [0, 0]\nradius = 0.5001\nfree = \"{free}\"\n{part}[path]\nposes = {poses}\n");
+        let text = format!("[[circle]]\ncentre = [0, 0]\nradius = 0.5001\n{part}\n[path]\nposes = {poses}\n");
         let world = world(&text);
         let grid = GridSpec::from_bounds([-1.0, -1.0, 1.0, 1.0], 0.1).unwrap();
         let map = true_map(&world, &world.scans(), &grid, 10.0);
@@ -133,4 +132,31 @@ fn nothing_is_known_without_a_scan() {
     let world = room(0.0, 0.0, "");
     let grid = GridSpec::from_bounds([0.0, 0.0, 5.0, 4.0], 0.1).unwrap();
     assert_eq!(count(&true_map(&world, &[], &grid, 5.0), 0), grid.cells());
+}
+
+#[test]
+fn a_lasers_world_is_known_as_far_as_the_laser_sees() {
+    use echogrid::score::reach;
+    let shape = "[[outline]]\npoints = [[0,0],[12,0],[12,5],[0,5],[0,0]]\n[path]\nposes = [[1,1]]\n";
+    let of = |rig: &str| reach(&world(&format!("{shape}[rig]\nkind = \"{rig}\"\n")), None).unwrap();
+    assert_eq!([of("dense"), of("ring8"), of("laser")], [5.0, 5.0, 13.0]);
+    assert_eq!(reach(&world(shape), Some(2.0)).unwrap(), 2.0);
+}
+
+#[test]
+fn a_campus_keeps_the_files_classes() {
+    let with = |more: &str| world(&format!("{more}[campus]\nwidth = 60\nheight = 40\n"));
+    let classes = |w: &World| {
+        let mut all: Vec<u16> = w.walls().iter().filter_map(|wall| wall.class).collect();
+        all.sort_unstable();
+        all.dedup();
+        (w.classes.clone(), all)
+    };
+    let names = |n: &[&str]| n.iter().map(|s| s.to_string()).collect::<Vec<_>>();
+    assert_eq!(classes(&with("")), (names(&["wall", "furniture"]), vec![1, 2]));
+    let kiosk = "[[box]]\ncentre = [0.6, 0.6]\nsize = [0.5, 0.5]\nclass = \"kiosk\"\n";
+    let (found, used) = classes(&with(kiosk));
+    assert_eq!((found, used), (names(&["kiosk", "wall", "furniture"]), vec![1, 2, 3]));
+    let kiosks = with(kiosk).walls().iter().filter(|w| w.class == Some(1)).count();
+    assert_eq!(kiosks, 4);
 }

@@ -25,6 +25,13 @@ const RESOLUTION: f64 = 0.05;
 /// A method whose name has this at its end trusts echoes up to 2 m only.
 const NEAR: (&str, f64) = ("-2m", 2.0);
 
+/// What the table's words mean, and what it shows.
+const ABOUT: &str = "\
+Recall: true walls' cells with an occupied cell on or beside them; precision: the other way round. Danger: of the walls'
+cells that a map decides, those that it calls empty. Smooth walls send echoes by way of other walls, too long by metres:
+bayes-2m trusts none from beyond 2 m (--set hit_range=2), and is the safer for it.
+";
+
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
 pub struct Demo {
@@ -45,6 +52,12 @@ impl Demo {
         };
         std::fs::create_dir_all(&self.output).map_err(unwritable)?;
         let [file, log] = ["bend.toml", "bend.jsonl"].map(|name| self.output.join(name));
+        if [&file, &log].iter().any(|f| f.exists()) && std::fs::read_to_string(&file).ok().as_deref() != Some(WORLD) {
+            return Err(Error::Resources(format!(
+                "{} holds a bend.toml or a bend.jsonl that isn't the demo's: give another folder with -o",
+                self.output.display()
+            )));
+        }
         std::fs::write(&file, WORLD).map_err(unwritable)?;
         let world = World::open(&file)?;
         let out = BufWriter::new(File::create(&log).map_err(unwritable)?);
@@ -56,7 +69,7 @@ impl Demo {
             100.0 * done.no_echo as f64 / done.readings as f64
         );
         say!("");
-        say!("map               backend      ms  M updates  accuracy  walls found  precision  danger");
+        say!("map               backend      ms  M updates  accuracy  recall  precision  danger");
         let truth = Truth::of_world(world, None)?;
         let methods = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth");
         let runs =
@@ -74,17 +87,10 @@ impl Demo {
             let reason = if ran.why.is_empty() { String::new() } else { format!(", because {}", ran.why) };
             why = format!("{}{adapter}{reason}", ran.backend);
         }
-        let page = write_report(&self.output.join("score"), &file.display().to_string(), &scores, &[])?;
+        let page = write_report(&self.output.join("score"), &truth.about(&file.display().to_string()), &scores, &[])?;
         say!("");
         say!("Computed on the {why}. In {:.1} s.", started.elapsed().as_secs_f64());
-        say!(
-            "Walls found: with an occupied cell on or beside them. Danger: of the walls' cells that a map decides, those"
-        );
-        say!(
-            "that it calls empty. Smooth walls send echoes by way of other walls, too long by metres: bayes{} trusts",
-            NEAR.0
-        );
-        say!("none beyond {} m (--set hit_range={0}) and is the safer for it.", NEAR.1);
+        say!("{}", ABOUT.trim_end());
         say!("");
         say!("Look at {}, then map a log of your own: echogrid map LOG -o DIR", page.display());
         Ok(0)
@@ -122,7 +128,7 @@ fn line(name: &str, report: &Report, numbers: Option<&Numbers>) {
     let milliseconds = report.seconds.iter().find(|s| s.0 == "map").map_or(0.0, |s| 1e3 * s.1);
     let share = |of: fn(&Numbers) -> Option<f64>| numbers.and_then(of).map_or("-".into(), |v| format!("{v:.3}"));
     say!(
-        "{name:<18}{:<8}{milliseconds:>7.1}{:>11.2}{:>10}{:>13}{:>11}{:>8}",
+        "{name:<18}{:<8}{milliseconds:>7.1}{:>11.2}{:>10}{:>8}{:>11}{:>8}",
         report.backend,
         report.updates as f64 / 1e6,
         share(|n| n.accuracy),

@@ -1,6 +1,6 @@
 //! `echogrid score`.
 
-use super::say;
+use super::{note, say};
 use crate::score::{Check, Options, Requirement, Score, Truth, open_map, score, table, write_report};
 use crate::{Error, Result};
 use serde_json::json;
@@ -30,7 +30,7 @@ pub struct Command {
     /// Write error plots, histograms of error levels and an HTML report into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// How far is seen in a world, metres [default: the farthest range of its sonars]
+    /// How far is seen in a world, metres [default: the farthest range of its sonars, or lasers]
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     r_max: Option<f64>,
     /// Print the scores as JSON
@@ -57,7 +57,7 @@ impl Command {
         let name = self.truth.display().to_string();
         if self.json {
             let all = json!({
-                "truth": {"path": name, "kind": truth.kind()},
+                "truth": {"path": name, "kind": truth.kind(), "r_max": truth.r_max()},
                 "tolerance": options.tolerance,
                 "decide": options.decide,
                 "maps": scores,
@@ -65,14 +65,14 @@ impl Command {
             });
             say!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
         } else {
-            say!("{}", table(&scores));
+            say!("truth: {}\n{}", truth.about(&name), table(&scores));
         }
         if let Some(folder) = &self.output {
-            eprintln!("echogrid: see {}", write_report(folder, &name, &scores, &checks)?.display());
+            note!("see {}", write_report(folder, &truth.about(&name), &scores, &checks)?.display());
         }
         for Check { require, path, value, .. } in checks.iter().filter(|c| !c.held) {
             let value = value.map_or("there is nothing to measure".into(), |v| format!("it is {v:.6}"));
-            eprintln!("echogrid: {path}: {require} does not hold: {value}");
+            note!("{path}: {require} does not hold: {value}");
         }
         Ok(u8::from(checks.iter().any(|c| !c.held)))
     }

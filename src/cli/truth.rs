@@ -45,7 +45,7 @@ impl Command {
             Some(bounds) => GridSpec::from_bounds(bounds, self.resolution)?,
             None => GridSpec::around(wider(world.bounds(), r_max), self.resolution)?,
         };
-        memory::check(grid.cells() as u64 * CELL, None, &grid)?;
+        memory::check(grid.cells() as u64 * CELL, None, &grid, "give smaller --bounds or a coarser --resolution")?;
         let folder = Folder::prepare(&self.output)?;
         let class = true_map(&world, &world.scans(), &grid, r_max);
         let info = RunInfo {

@@ -112,10 +112,7 @@ struct Spool {
 
 impl Read for Spool {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        #[cfg(unix)]
-        let n = std::os::unix::fs::FileExt::read_at(&*self.file, buffer, self.at)?;
-        #[cfg(windows)]
-        let n = std::os::windows::fs::FileExt::seek_read(&*self.file, buffer, self.at)?;
+        let n = crate::positioned::read(&self.file, buffer, self.at)?;
         self.at += n as u64;
         Ok(n)
     }

@@ -55,7 +55,8 @@ pub fn read_ros(path: &Path) -> Result<Map> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::input(path, format!("{e}: give a map.yaml")))?;
     let about = Yaml::parse(path, &text)?;
     let picture = path.parent().unwrap_or(Path::new("")).join(&about.image);
-    let bytes = std::fs::read(&picture).map_err(|e| Error::input(&picture, e.to_string()))?;
+    let bytes = std::fs::read(&picture)
+        .map_err(|e| Error::input(&picture, format!("can't be read: {e}; {} names it as its image", path.display())))?;
     let (width, height, top, pixels) = read_pgm(&bytes).map_err(|what| Error::input(&picture, what))?;
     let grid = GridSpec { anchor: about.origin, resolution: about.resolution, i0: 0, j0: 0, width, height };
     let class_of = |v: u8| {
@@ -89,8 +90,13 @@ impl Yaml {
     fn parse(path: &Path, text: &str) -> Result<Yaml> {
         let value = |key: &str| {
             let of = |line: &str| Some(line.strip_prefix(key)?.trim_start().strip_prefix(':')?.to_string());
-            let found = text.lines().find_map(of)?;
+            let (line, found) = text.lines().enumerate().find_map(|(k, l)| Some((k, of(l)?)))?;
             let bare = found.split(" #").next().unwrap_or_default();
+            if bare.trim().is_empty() {
+                // a list, an item a line
+                let items = text.lines().skip(line + 1).map_while(|l| l.trim_start().strip_prefix('-'));
+                return Some(items.map(str::trim).collect::<Vec<_>>().join(", "));
+            }
             Some(bare.trim().trim_matches(['"', '\'']).to_string())
         };
         let missing = |key: &str| Error::input(path, format!("it has no \"{key}\": not a map_server map.yaml"));
@@ -108,7 +114,9 @@ impl Yaml {
         let parts: Vec<f64> =
             origin.trim_matches(['[', ']']).split(',').filter_map(|v| v.trim().parse().ok()).collect();
         let origin = match parts[..] {
-            [x, y] | [x, y, 0.0] if x.is_finite() && y.is_finite() => (x, y),
+            [x, y] if x.is_finite() && y.is_finite() => (x, y),
+            // less than a micrometre over a metre is no turn
+            [x, y, yaw] if x.is_finite() && y.is_finite() && yaw.abs() < 1e-6 => (x, y),
             _ => {
                 return Err(Error::input(path, format!("origin {origin} is not [x, y, 0]: turned maps can't be read")));
             }

@@ -5,6 +5,7 @@ use super::levels::{NOT_COMPARED, class_of, level};
 use super::probability::probabilities;
 use super::{Options, TrueCells};
 use crate::grid::{GridSpec, Map};
+use crate::output::tidy;
 use crate::{Error, Result};
 use rayon::prelude::*;
 
@@ -126,7 +127,9 @@ fn take<T: Copy + Send + Sync>(
 
 /// How many cells the second grid starts after the first, or why their cells don't fall on one another.
 fn apart(truth: &GridSpec, map: &GridSpec) -> Result<(i64, i64)> {
-    if (truth.resolution / map.resolution - 1.0).abs() > 1e-9 {
+    // over the whole map the two may drift apart by a hundredth of a cell
+    let largest = [map.width, map.height, truth.width, truth.height].into_iter().fold(1, usize::max);
+    if (truth.resolution / map.resolution - 1.0).abs() * largest as f64 > 0.01 {
         return Err(Error::Usage(format!(
             "the truth has cells of {} m, the map of {} m: make both with one --resolution",
             truth.resolution, map.resolution
@@ -141,12 +144,12 @@ fn apart(truth: &GridSpec, map: &GridSpec) -> Result<(i64, i64)> {
     let up = offset((truth.anchor.1, map.anchor.1), (truth.j0, map.j0));
     across.zip(up).ok_or_else(|| {
         Error::Usage(format!(
-            "the truth's cells start at ({}, {}) and the map's at ({}, {}), which is no whole number of cells of {} m \
-             apart: map both with the same --bounds, or both without",
-            truth.x0(),
-            truth.y0(),
-            map.x0(),
-            map.y0(),
+            "the truth's cells start at ({0}, {1}) and the map's at ({2}, {3}), which is no whole number of cells of {4} m \
+             apart: map both with the same --bounds, or the scored map with --bounds {0},{1},X1,Y1",
+            tidy(truth.x0()),
+            tidy(truth.y0()),
+            tidy(map.x0()),
+            tidy(map.y0()),
             map.resolution
         ))
     })

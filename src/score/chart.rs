@@ -54,6 +54,12 @@ pub(super) fn histogram(title: &str, levels: &[u64; 10]) -> String {
             ZONES[level]
         );
     }
+    svg += &format!(
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#777\">error level, and its zone</text>\
+         <text x=\"{LEFT}\" y=\"28\" fill=\"#777\">cells</text>",
+        WIDTH - 4.0,
+        HEIGHT - 2.0
+    );
     svg + "</svg>\n"
 }
 

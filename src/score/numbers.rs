@@ -44,6 +44,8 @@ pub struct Numbers {
     pub f1: Option<f64>,
     /// Cells occupied in both ÷ cells occupied in either.
     pub iou: Option<f64>,
+    /// The same with the tolerance: 1/(1/P + 1/R − 1) of the tolerant precision and recall.
+    pub iou_tolerant: Option<f64>,
     /// Over the cells that the truth knows.
     #[serde(flatten)]
     pub quality: Quality,
@@ -106,6 +108,7 @@ impl Numbers {
             precision,
             f1: harmonic(recall, precision),
             iou: share(both, occupied + shown - both),
+            iou_tolerant: harmonic(recall_tolerant, precision_tolerant).map(|f1| f1 / (2.0 - f1)),
             quality: Quality::of(chances),
         }
     }

@@ -17,7 +17,8 @@ figcaption{color:#555}.row{display:flex;flex-wrap:wrap;gap:1em;align-items:flex-
 
 const NOTES: &str = "<p>White is right, darker is more dangerous. 1: occupied beside a true wall. 2, 3, 4: left unknown. \
 5, 6: occupied where nothing is. <b>7: empty where nothing is known; 8, 9: a wall shown empty, 9 with nothing occupied \
-beside it.</b> Bluish grey is not compared. docs/scores.md says what each number means.</p>\n";
+beside it.</b> Bluish grey is not compared. In the pictures of the truth and of the map white is empty, black occupied, bluish \
+grey unknown. docs/scores.md says what each number means.</p>\n";
 
 /// Writes `score.html` with everything in it, and for each map its error plot and its histogram, into a folder that is
 /// made if need be. Returns the path of the HTML file.

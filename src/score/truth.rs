@@ -82,6 +82,22 @@ impl Truth {
         Ok(Truth::World { bounds, r_max, draw })
     }
 
+    /// The truth of that name for people: what it is.
+    pub fn about(&self, name: &str) -> String {
+        match self {
+            Truth::Map(map) => format!("{name} (a {} map)", map.method),
+            Truth::World { r_max, .. } => format!("{name} (a world, seen up to {r_max} m)"),
+        }
+    }
+
+    /// How far is seen in it, metres, where it is a world.
+    pub fn r_max(&self) -> Option<f64> {
+        match self {
+            Truth::Map(_) => None,
+            Truth::World { r_max, .. } => Some(*r_max),
+        }
+    }
+
     /// What kind of truth it is, in a word.
     pub fn kind(&self) -> &'static str {
         match self {
@@ -100,7 +116,12 @@ impl Truth {
             }
             Truth::World { bounds, r_max, draw } => {
                 let grid = around(scored, wider(*bounds, *r_max))?;
-                memory::check(grid.cells() as u64 * CELL, None, &grid)?;
+                memory::check(
+                    grid.cells() as u64 * CELL,
+                    None,
+                    &grid,
+                    "map at a coarser --resolution, or a smaller world",
+                )?;
                 let class = draw(&grid)?;
                 if class.len() != grid.cells() {
                     return Err(Error::Usage(format!("{} true classes for {} cells", class.len(), grid.cells())));
@@ -117,14 +138,18 @@ pub fn open_map(path: &Path) -> Result<Map> {
     match kind.as_deref() {
         _ if path.is_dir() => Ok(read_map(path)?.map),
         Some("yaml" | "yml") => read_ros(path),
+        _ if !path.exists() => Err(Error::input(path, "there is no such map: give a folder or a ROS map's .yaml file")),
         _ => Err(Error::input(path, "it is no map: give a folder that echogrid map wrote, or a ROS map's .yaml file")),
     }
 }
 
-/// How far is seen in a world, metres: as given, else the farthest range of its sonars, or 5 m where it has none.
+/// How far is seen in a world, metres: as given, else the farthest range of its sonars, or where it has none, of its
+/// lasers, but no farther than the world is large.
 pub fn reach(world: &World, given: Option<f64>) -> Result<f64> {
-    let reach = world.rig.sonar_reach();
-    let r_max = given.unwrap_or(if reach > 0.0 { reach } else { 5.0 });
+    let [x0, y0, x1, y1] = world.bounds();
+    let sonar = world.rig.sonar_reach();
+    let laser = world.rig.transducers.iter().map(|t| t.sensor.r_max).fold(0.0, f64::max);
+    let r_max = given.unwrap_or(if sonar > 0.0 { sonar } else { laser.min((x1 - x0).hypot(y1 - y0).ceil()) });
     match r_max > 0.0 && r_max <= 1e6 {
         true => Ok(r_max),
         false => Err(Error::Usage(format!("--r-max {r_max} is no range: give metres, more than 0"))),

@@ -49,11 +49,13 @@ impl Campus {
 pub(crate) struct Built {
     pub walls: Vec<Wall>,
     pub path: Vec<Point>,
+    wall: Option<u16>,
+    furniture: Option<u16>,
 }
 
-/// Builds it.
-pub(crate) fn build(campus: &Campus) -> Built {
-    let mut built = Built { walls: Vec::new(), path: Vec::new() };
+/// Builds it, its walls and its furniture of these classes.
+pub(crate) fn build(campus: &Campus, [wall, furniture]: [Option<u16>; 2]) -> Built {
+    let mut built = Built { walls: Vec::new(), path: Vec::new(), wall, furniture };
     let columns = ((campus.width - STREET) / BLOCK.0).floor() as u64;
     let rows = ((campus.height - STREET) / BLOCK.1).floor() as u64;
     for row in 0..rows {
@@ -76,7 +78,7 @@ pub(crate) fn build(campus: &Campus) -> Built {
 impl Built {
     fn line(&mut self, points: &[Point]) {
         for p in points.windows(2) {
-            self.walls.push(Wall { a: p[0], b: p[1], surface: Surface::Specular, class: Some(1), thin: true });
+            self.walls.push(Wall { a: p[0], b: p[1], surface: Surface::Specular, class: self.wall, thin: true });
         }
     }
 
@@ -128,7 +130,7 @@ impl Built {
         let corners = [(x, bottom), (x, top), (x + w, top), (x + w, bottom), (x, bottom)];
         for p in corners.windows(2) {
             // clockwise: free outside
-            self.walls.push(Wall { a: p[0], b: p[1], surface: Surface::Specular, class: Some(2), thin: false });
+            self.walls.push(Wall { a: p[0], b: p[1], surface: Surface::Specular, class: self.furniture, thin: false });
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::campus::{self, Campus};
 use super::corner::corners;
 use super::index::Index;
-use super::path::{self, Way};
+use super::path::{self, Closed, Outline, Way};
 use super::plane::{Point, add, cross, distance};
 use super::rig::Rig;
 use super::shape::{Arc, SURFACES, Surface, Wall};
@@ -26,6 +26,7 @@ struct Builder<'a> {
     declared: bool,
     walls: Vec<Wall>,
     arcs: Vec<Arc>,
+    closed: Vec<Closed>,
     wall_lines: Vec<u64>,
     arc_lines: Vec<u64>,
 }
@@ -33,8 +34,12 @@ struct Builder<'a> {
 /// Parses and checks a world; `path` is for messages.
 pub(crate) fn parse(path: &Path, source: &str) -> Result<World> {
     let text = Text::new(path, source);
-    let root = DeTable::parse(source)
-        .map_err(|e| text.fail(&e.span().unwrap_or_default(), format!("not TOML: {}", e.message())))?;
+    let root = DeTable::parse(source).map_err(|e| {
+        text.fail(
+            &e.span().unwrap_or_default(),
+            format!("not TOML: {} (numbers are written like 0.5, texts in quotes)", e.message()),
+        )
+    })?;
     let top = Part { text: &text, name: "a world", table: root.get_ref(), at: 0..0 };
     top.check(&TOP)?;
     let classes = top.words("classes")?;
@@ -51,6 +56,7 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<World> {
         declared,
         walls: Vec::new(),
         arcs: Vec::new(),
+        closed: Vec::new(),
         wall_lines: Vec::new(),
         arc_lines: Vec::new(),
     };
@@ -71,13 +77,9 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<World> {
         way = Some(path::read(&part)?);
     }
     for part in parts(&top, "campus", "[campus]")? {
-        let built = campus::build(&Campus::read(&part)?);
+        let classes = [b.class_of("wall", &part.at)?, b.class_of("furniture", &part.at)?];
+        let built = campus::build(&Campus::read(&part)?, classes);
         let line = text.line(&part.at);
-        for (k, word) in [(1, "wall"), (2, "furniture")] {
-            if built.walls.iter().any(|w| w.class == Some(k)) && !b.declared {
-                b.classes.push(word.into());
-            }
-        }
         b.wall_lines.extend(std::iter::repeat_n(line, built.walls.len()));
         b.walls.extend(built.walls);
         way = way.or(Some(Way::along(built.path, line)));
@@ -100,7 +102,7 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<World> {
     let bounds = index::bounds(&b.walls, &b.arcs);
     let lines: Vec<u64> = b.wall_lines.iter().chain(&b.arc_lines).copied().collect();
     let index = Index::new(b.walls, b.arcs);
-    path::check(&way, &index, &lines, path)?;
+    path::check(&way, &index, &b.closed, &lines, path)?;
     let place = top.get("path").or(top.get("campus")).map_or(0..0, |v| v.span());
     rig.check(&index, &way.stops).map_err(|what| text.fail(&place, what))?;
     let mut corners = corners(&index);
@@ -138,11 +140,16 @@ impl Builder<'_> {
         if name.is_empty() {
             return Err(self.text.fail(&at, "class is empty: give it a name, or leave it out"));
         }
+        self.class_of(name, &at)
+    }
+
+    /// A class' number, from 1; one that isn't known yet is added, unless the file declares its classes.
+    fn class_of(&mut self, name: &str, at: &std::ops::Range<usize>) -> Result<Option<u16>> {
         let known = self.classes.iter().position(|c| c == name);
         if known.is_none() && self.declared {
             let names: Vec<&str> = self.classes.iter().map(String::as_str).collect();
             let hint = crate::sensor::similar(name, &names);
-            return Err(self.text.fail(&at, format!("class {name:?} isn't in classes{hint}")));
+            return Err(self.text.fail(at, format!("class {name:?} isn't in classes{hint}: add it there")));
         }
         let k = known.unwrap_or_else(|| {
             self.classes.push(name.into());
@@ -212,6 +219,7 @@ impl Builder<'_> {
             let what = "it encloses nothing: all its points lie on one line; make it a [[wall]]";
             return Err(self.text.fail(&part.at, what));
         }
+        self.closed.push(Closed { shape: Outline::Polygon(corners.to_vec()), inside, line: lines[0] });
         for k in 0..n {
             let (p, q) = (corners[k], corners[(k + 1) % n]);
             let (a, b) = if (area > 0.0) == inside { (p, q) } else { (q, p) };
@@ -269,6 +277,14 @@ impl Builder<'_> {
             _ => return Err(self.text.fail(&part.at, "an arc needs both from and to, counter-clockwise")),
         };
         let (inside, surface, class) = (Self::inside(part, false)?, self.surface(part)?, self.class(part)?);
+        if sweep < TAU && part.get("free").is_some() {
+            let what = "an arc is thin, both its sides are free: remove free, or leave out from and to";
+            return Err(self.text.fail(&part.place("free"), what));
+        }
+        if sweep >= TAU {
+            let line = self.text.line(&part.at);
+            self.closed.push(Closed { shape: Outline::Circle(centre, radius), inside, line });
+        }
         self.arcs.push(Arc { centre, radius, from, sweep, surface, class, inside });
         self.arc_lines.push(self.text.line(&part.at));
         Ok(())

@@ -30,8 +30,6 @@ pub(crate) struct Met {
     pub distance: f64,
     /// The class of what it met.
     pub class: Option<u16>,
-    /// Whether it met a solid from inside.
-    pub from_behind: bool,
 }
 
 impl Index {
@@ -135,8 +133,8 @@ impl Index {
         !self.walk(p, q, &mut |item| self.shares(item, p, q).iter().any(|t| (0.0..=1.0).contains(t)))
     }
 
-    /// What a ray of unit `direction` meets first within `reach`; `light` goes through glass unless near its normal.
-    pub(crate) fn ray(&self, p: Point, direction: Point, reach: f64, light: bool) -> Option<Met> {
+    /// What a ray of light of unit `direction` meets first within `reach`; it goes through glass unless near its normal.
+    pub(crate) fn ray(&self, p: Point, direction: Point, reach: f64) -> Option<Met> {
         let q = add(p, times(direction, reach));
         let mut best: Option<Met> = None;
         self.walk(p, q, &mut |item| {
@@ -144,21 +142,19 @@ impl Index {
                 if !(0.0..=1.0).contains(&t) || best.is_some_and(|m| m.distance <= t * reach) {
                     continue;
                 }
-                let (surface, class, behind, incidence) = match self.walls.get(item as usize) {
+                let (surface, class, incidence) = match self.walls.get(item as usize) {
                     Some(w) => {
                         let e = sub(w.b, w.a);
-                        (w.surface, w.class, !w.thin && !w.faces(p), cross(e, direction).abs() / length(e))
+                        (w.surface, w.class, cross(e, direction).abs() / length(e))
                     }
                     None => {
                         let a = &self.arcs[item as usize - self.walls.len()];
                         let out = times(sub(add(p, times(direction, t * reach)), a.centre), 1.0 / a.radius);
-                        let outward = dot(out, direction);
-                        let behind = a.whole() && (outward > 0.0) != a.inside;
-                        (a.surface, a.class, behind, outward.abs())
+                        (a.surface, a.class, dot(out, direction).abs())
                     }
                 };
-                if !(light && surface == Surface::Glass && incidence < 0.985) {
-                    best = Some(Met { item, distance: t * reach, class, from_behind: behind });
+                if surface != Surface::Glass || incidence >= 0.985 {
+                    best = Some(Met { item, distance: t * reach, class });
                 }
             }
             false

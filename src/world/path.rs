@@ -1,7 +1,7 @@
 //! Where the robot scans: along way points, one step from the next, or at given poses.
 
 use super::index::Index;
-use super::plane::{Point, along, distance, from_segment, length, nearest_share, sub};
+use super::plane::{Point, along, distance, from_segment, nearest_share, sub};
 use super::text::Part;
 use crate::reading::Pose;
 use crate::{Error, Result};
@@ -9,10 +9,6 @@ use std::path::Path;
 
 /// The path comes no nearer to anything, metres.
 const CLEARANCE: f64 = 0.01;
-/// Whether a place is solid is asked of walls this near, metres.
-const SOLID: f64 = 50.0;
-/// The directions in which it is asked: three odd ones, that graze no corner of a drawn world.
-const LOOK: [Point; 3] = [(0.958_3, 0.285_7), (-0.731_9, 0.681_4), (-0.176_3, -0.984_3)];
 /// No path has more scans.
 const MOST: f64 = 1e7;
 /// The slowest robot, m/s.
@@ -56,6 +52,11 @@ pub(crate) fn read(part: &Part<'_>) -> Result<Way> {
             }
             let points = points.into_iter().map(|(r, at)| ((r[0], r[1]), part.text.line(&at))).collect();
             let way = Way { stops: Vec::new(), points, lines: Vec::new() };
+            if let Some(twice) = way.points.windows(2).find(|p| p[0].0 == p[1].0) {
+                let (x, y) = twice[1].0;
+                let what = format!("the point [{x}, {y}] stands twice in a row: remove one");
+                return Err(Error::at(part.text.path, twice[1].1, what));
+            }
             let total: f64 = way.points.windows(2).map(|p| distance(p[0].0, p[1].0)).sum();
             if total / step > MOST {
                 return Err(part.text.fail(
@@ -116,9 +117,47 @@ pub(crate) fn rounded(pose: Pose) -> Pose {
     Pose { x: round(pose.x), y: round(pose.y), heading: round(pose.heading) }
 }
 
+/// A closed shape, its free side, and its line.
+pub(crate) struct Closed {
+    pub shape: Outline,
+    /// Whether its inside is free; else its inside is solid.
+    pub inside: bool,
+    pub line: u64,
+}
+
+/// The form of a closed shape.
+pub(crate) enum Outline {
+    Polygon(Vec<Point>),
+    Circle(Point, f64),
+}
+
+impl Closed {
+    /// Whether a place lies inside.
+    fn holds(&self, p: Point) -> bool {
+        match &self.shape {
+            Outline::Circle(centre, radius) => distance(p, *centre) < *radius,
+            Outline::Polygon(corners) => {
+                // even-odd: sides that a ray to the right crosses
+                let sides = (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()]));
+                let right = |(a, b): &(Point, Point)| {
+                    (a.1 > p.1) != (b.1 > p.1) && p.0 < a.0 + (p.1 - a.1) / (b.1 - a.1) * (b.0 - a.0)
+                };
+                sides.filter(right).count() % 2 == 1
+            }
+        }
+    }
+}
+
+/// The shape on whose solid side a place lies: it is inside a solid one, or in none of those whose inside is free.
+fn solid(closed: &[Closed], p: Point) -> Option<&Closed> {
+    let buried = closed.iter().find(|c| !c.inside && c.holds(p));
+    let mut rooms = closed.iter().filter(|c| c.inside).peekable();
+    let outside = rooms.peek().copied();
+    buried.or(if rooms.any(|c| c.holds(p)) { None } else { outside })
+}
+
 /// Refuses a path through a wall, along one, or inside something solid; `lines` are those of the walls and the arcs.
-pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Result<()> {
-    let far = reach(index);
+pub(crate) fn check(way: &Way, index: &Index, closed: &[Closed], lines: &[u64], path: &Path) -> Result<()> {
     let line_of = |item: u32| lines.get(item as usize).copied().unwrap_or(0);
     for leg in way.points.windows(2) {
         let ((a, _), (b, line)) = (leg[0], leg[1]);
@@ -141,14 +180,12 @@ pub(crate) fn check(way: &Way, index: &Index, lines: &[u64], path: &Path) -> Res
     let places = way.points.iter().copied();
     let poses = way.stops.iter().map(|(_, p)| (p.x, p.y)).zip(way.lines.iter().copied());
     for ((x, y), line) in places.chain(poses) {
-        for direction in LOOK {
-            if let Some(met) = index.ray((x, y), direction, SOLID.min(far), false).filter(|m| m.from_behind) {
-                let what = format!(
-                    "the path's [{x}, {y}] lies on the solid side of the wall of line {}: move the point, or correct that shape's free side",
-                    line_of(met.item)
-                );
-                return Err(Error::at(path, line, what));
-            }
+        if let Some(shape) = solid(closed, (x, y)) {
+            let what = format!(
+                "the path's [{x}, {y}] lies on the solid side of the shape of line {}: move the point, or correct that shape's free side",
+                shape.line
+            );
+            return Err(Error::at(path, line, what));
         }
         let touched = index.near((x, y), CLEARANCE);
         if let Some(item) = touched.first() {
@@ -176,10 +213,4 @@ fn met(index: &Index, item: u32, a: Point, b: Point) -> Option<(Point, bool)> {
         }
     };
     places.into_iter().find(|p| off(*p) < CLEARANCE).map(|p| (p, false))
-}
-
-/// Farther than any two things of a world.
-fn reach(index: &Index) -> f64 {
-    let [x0, y0, x1, y1] = super::index::bounds(&index.walls, &index.arcs);
-    2.0 * length((x1 - x0, y1 - y0)) + 1.0
 }

@@ -138,7 +138,7 @@ fn sonar(scene: &Scene, rig: &Rig, t: &Transducer, pose: Pose, random: &mut Rand
 /// What a laser beam reports.
 fn laser(world: &World, t: &Transducer, pose: Pose, random: &mut Random) -> Option<(f64, Option<u16>)> {
     let (sin, cos) = pose.heading.sin_cos();
-    let met = world.index.ray((pose.x, pose.y), (cos, sin), t.sensor.r_max, true)?;
+    let met = world.index.ray((pose.x, pose.y), (cos, sin), t.sensor.r_max)?;
     t.report(met.distance, random).map(|z| (z, met.class))
 }
 

@@ -241,7 +241,7 @@ fn demo_maps_and_scores_a_corridor_by_every_method() {
     let ran = place.does(&["demo", "-o", "deep/demo", "--backend", "cpu"]);
     let lines: Vec<&str> = ran.out.lines().collect();
     assert_eq!(lines[0], "A sonar turns in a bent corridor: 4800 readings in 24 scans, 59 % without an echo.");
-    assert_eq!(lines[2], "map               backend      ms  M updates  accuracy  walls found  precision  danger");
+    assert_eq!(lines[2], "map               backend      ms  M updates  accuracy  recall  precision  danger");
     let mut names: Vec<&str> = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth").collect();
     names.push("bayes-2m");
     let mut dangers = Vec::new();

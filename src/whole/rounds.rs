@@ -1,0 +1,271 @@
+//! The rounds over the chunks: one thread reads and bins ahead, this one runs the kernels, one takes finished chunks.
+
+use super::{Bins, Place, part};
+use crate::batch::{Batch, Binning};
+use crate::kernels::{Backend, Limits, Shares, shares};
+use crate::layers;
+use crate::layout::Cone;
+use crate::mapper::{Finished, PAIRS, count, frame, snap_item, too_large};
+use crate::method::{Method, Step, Steps};
+use crate::reading::Counts;
+use crate::session::Session;
+use crate::{Error, Result};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::sync::mpsc::sync_channel;
+
+/// A finished chunk.
+#[derive(Debug, Clone)]
+pub struct Chunk {
+    /// Row and column.
+    pub place: Place,
+    /// Its part of the map, on its part of the grid.
+    pub finished: Finished,
+}
+
+/// A log under way, chunk by chunk.
+pub struct Run<'a> {
+    session: &'a Session,
+    method: &'a dyn Method,
+    batch: usize,
+    bins: Bins,
+    /// What each reading's rounds have found: the bits of a sum, or a count.
+    found: Vec<u32>,
+    /// `outside`, `empty_arc` and `wide` are counted while binning.
+    pub counts: Counts,
+}
+
+/// A batch of one chunk's readings, binned, with its readings' numbers in the log.
+struct Ready {
+    place: Place,
+    steps: Steps,
+    batch: Batch,
+    numbers: Vec<u32>,
+    /// Whether it is the chunk's last of this round.
+    last: bool,
+}
+
+impl<'a> Run<'a> {
+    /// Bins the session's readings; `progress` hears of each.
+    ///
+    /// # Errors
+    /// The log's, and [`Error::Resources`] where readings can't be spilled to `folder`.
+    pub fn begin(
+        session: &'a Session,
+        batch: usize,
+        folder: &std::path::Path,
+        memory: u64,
+        progress: &dyn Fn(u64),
+    ) -> Result<Run<'a>> {
+        let method = session.method.as_ref();
+        let bins = Bins::new(folder, memory);
+        let mut run = Run { session, method, batch, bins, found: Vec::new(), counts: Counts::default() };
+        let (mut held, mut number) = (Vec::with_capacity(batch), 0u64);
+        for item in session.items()? {
+            held.push(item?);
+            progress(1);
+            if held.len() == batch {
+                run.bin(&held, &mut number)?;
+                held.clear();
+            }
+        }
+        run.bin(&held, &mut number)?;
+        if method.rounds().is_some_and(|rounds| rounds.len() > 1) {
+            run.found = vec![0; number as usize];
+        }
+        Ok(run)
+    }
+
+    fn bin(&mut self, items: &[crate::mapper::Item], number: &mut u64) -> Result<()> {
+        let (grid, sensors) = (&self.session.grid, self.session.sensors());
+        let binning = self.binning(&[], None);
+        let first = *number;
+        *number += items.len() as u64;
+        if *number > u64::from(u32::MAX) {
+            return Err(Error::Resources("more than 4294967295 used readings: map the log in parts".into()));
+        }
+        let cones: Vec<Option<(Cone, Vec<[u32; 2]>)>> = items
+            .par_iter()
+            .enumerate()
+            .map(|(k, item)| {
+                let cone = Cone { index: (first + k as u64) as u32, ..snap_item(grid, sensors, self.method, item)? };
+                Some((cone, binning.chunks_of(&cone)))
+            })
+            .collect();
+        let snapped: Vec<Cone> = cones.iter().flatten().map(|c| c.0).collect();
+        self.counts.outside += (cones.len() - snapped.len()) as u64;
+        count(&mut self.counts, &binning, &snapped);
+        for (cone, chunks) in cones.into_iter().flatten() {
+            for [column, row] in chunks {
+                self.bins.push([row, column], cone)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn binning(&self, steps: &[Step], only: Option<Place>) -> Binning {
+        Binning {
+            size: [self.session.grid.width, self.session.grid.height],
+            footprint: self.method.footprint(),
+            no_echo_arcs: steps.contains(&Step::Tally),
+            only: only.map(|[row, column]| [column, row]),
+        }
+    }
+
+    /// The chunks that readings reach, row by row, and how many readings each has.
+    pub fn places(&self) -> Vec<(Place, u64)> {
+        self.bins.places()
+    }
+
+    /// Bytes that were spilled.
+    pub fn spilled(&self) -> u64 {
+        self.bins.spilled()
+    }
+
+    /// What the rounds before the last have found, to be kept or given back.
+    pub fn found(&mut self) -> &mut Vec<u32> {
+        &mut self.found
+    }
+
+    /// The rounds before the last: each reading's sum, or count, over all chunks.
+    pub fn gather(&mut self, backend: &mut dyn Backend, progress: &dyn Fn(u64)) -> Result<()> {
+        let rounds = self.method.rounds().unwrap_or_default();
+        for round in rounds.iter().rev().skip(1).rev() {
+            self.round(backend, round, &self.places(), progress, None)?;
+        }
+        Ok(())
+    }
+
+    /// The last round: each chunk but those `done` is run to its end and given to `take`, in order, on a thread of its own.
+    pub fn finish(
+        &mut self,
+        backend: &mut dyn Backend,
+        done: &BTreeSet<Place>,
+        progress: &dyn Fn(u64),
+        take: &mut (dyn FnMut(Chunk) -> Result<()> + Send),
+    ) -> Result<()> {
+        let rounds = self.method.rounds().unwrap_or_default();
+        let Some(last) = rounds.last() else { return Ok(()) };
+        let places: Vec<(Place, u64)> = self.places().into_iter().filter(|(place, _)| !done.contains(place)).collect();
+        self.round(backend, last, &places, progress, Some(take))
+    }
+
+    fn round(
+        &mut self,
+        backend: &mut dyn Backend,
+        traversals: &'static [Steps],
+        places: &[(Place, u64)],
+        progress: &dyn Fn(u64),
+        take: Option<&mut (dyn FnMut(Chunk) -> Result<()> + Send)>,
+    ) -> Result<()> {
+        let (session, method, limits) = (self.session, self.method, backend.limits());
+        let tallied = method.rounds().unwrap_or_default().iter().copied().flatten().any(|s| s.contains(&Step::Tally));
+        let mut found = std::mem::take(&mut self.found);
+        let this = &*self;
+        let last_round = take.is_some();
+        let result = std::thread::scope(|scope| {
+            let (ready, batches) = sync_channel::<Result<Ready>>(1);
+            let reader = scope.spawn(move || {
+                let ahead = places.iter().try_for_each(|(place, count)| {
+                    this.read_ahead(*place, *count, traversals, limits, &mut |batch| ready.send(Ok(batch)).is_ok())
+                });
+                if let Err(e) = ahead {
+                    let _ = ready.send(Err(e));
+                }
+            });
+            let (finished, chunks) = sync_channel::<(Place, Vec<u32>)>(1);
+            let taker = take.map(|take| {
+                scope.spawn(move || {
+                    for (place, words) in chunks {
+                        let grid = part(&session.grid, place);
+                        let finished = layers::from_chunks(&grid, method, &[([0, 0], words)].into());
+                        take(Chunk { place, finished })?;
+                    }
+                    Ok(())
+                })
+            });
+            let work = || -> Result<()> {
+                for batch in batches {
+                    let Ready { place, steps, batch, numbers, last } = batch?;
+                    let before = numbers.iter().map(|n| found.get(*n as usize).copied().unwrap_or(0));
+                    let mut share: Shares = match last_round && tallied {
+                        true => shares(method, before, &batch.cones),
+                        false => before.map(|word| [word, 0, 0, 0]).collect(),
+                    };
+                    backend.apply(method, frame(&session.grid, method), &batch, steps, &mut share)?;
+                    if !last_round {
+                        numbers.iter().zip(&share).for_each(|(n, s)| found[*n as usize] = s[0]);
+                    }
+                    progress(numbers.len() as u64);
+                    if last && let Some(words) = backend.take(place)? {
+                        // A taker that failed has the error.
+                        if last_round && finished.send((place, words)).is_err() {
+                            break;
+                        }
+                    }
+                }
+                Ok(())
+            };
+            let worked = work();
+            drop(finished);
+            let _ = reader.join();
+            let taken = taker
+                .map_or(Ok(()), |t| t.join().unwrap_or_else(|_| Err(Error::Resources("a chunk's writer died".into()))));
+            worked.and(taken)
+        });
+        self.found = found;
+        result
+    }
+
+    /// Reads a chunk's readings, batch by batch, and bins them; stops when nobody takes them any more.
+    fn read_ahead(
+        &self,
+        place: Place,
+        count: u64,
+        traversals: &'static [Steps],
+        limits: Limits,
+        give: &mut dyn FnMut(Ready) -> bool,
+    ) -> Result<()> {
+        let batch = self.batch.clamp(1, limits.readings);
+        for (t, steps) in traversals.iter().enumerate() {
+            let binning = self.binning(steps, Some(place));
+            for first in (0..count as usize).step_by(batch) {
+                let cones = self.bins.read(place, first, batch)?;
+                let last = t + 1 == traversals.len() && first + batch >= count as usize;
+                if !self.split(&binning, cones, steps, place, last, limits, give)? {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Bins cones, in halves where they come to too much; whether they were all taken.
+    #[allow(clippy::too_many_arguments, reason = "it calls itself with a half")]
+    fn split(
+        &self,
+        binning: &Binning,
+        cones: Vec<Cone>,
+        steps: Steps,
+        place: Place,
+        last: bool,
+        limits: Limits,
+        give: &mut dyn FnMut(Ready) -> bool,
+    ) -> Result<bool> {
+        let numbers: Vec<u32> = cones.iter().map(|c| c.index).collect();
+        let pairs = cones.iter().map(|c| binning.at_most(c)).sum::<usize>();
+        let batch = (cones.len() == 1 || pairs <= PAIRS).then(|| binning.bin(cones.clone()));
+        let fits = match &batch {
+            Some(batch) => !too_large(batch, steps.contains(&Step::Sum), limits, cones.len() == 1)?,
+            None => false,
+        };
+        match batch.filter(|_| fits) {
+            Some(batch) => Ok(give(Ready { place, steps, batch, numbers, last })),
+            None => {
+                let (head, tail) = cones.split_at(cones.len() / 2);
+                Ok(self.split(binning, head.to_vec(), steps, place, false, limits, give)?
+                    && self.split(binning, tail.to_vec(), steps, place, last, limits, give)?)
+            }
+        }
+    }
+}
