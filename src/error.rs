@@ -39,6 +39,16 @@ impl Error {
         Error::Input { path: path.into(), line: Some(line), what: what.into() }
     }
 
+    /// The same error with something more to say.
+    pub fn and(self, more: &str) -> Self {
+        match self {
+            Error::Usage(what) => Error::Usage(format!("{what}; {more}")),
+            Error::Input { path, line, what } => Error::Input { path, line, what: format!("{what}; {more}") },
+            Error::NoAdapter(what) => Error::NoAdapter(format!("{what}; {more}")),
+            Error::Resources(what) => Error::Resources(format!("{what}; {more}")),
+        }
+    }
+
     /// The process's exit code for this error.
     pub fn exit_code(&self) -> u8 {
         match self {

@@ -79,6 +79,13 @@ fn touched_and_class(touched: Vec<u8>, class: Vec<i8>) -> [Layer; 2] {
     ]
 }
 
+/// A method's layers without values, and its combined layer.
+pub fn heads(method: &dyn Method) -> (Vec<Layer>, Layer) {
+    let grid = GridSpec { anchor: (0.0, 0.0), resolution: 1.0, i0: 0, j0: 0, width: 0, height: 0 };
+    let empty = Layers::new(&grid, method).finish();
+    (empty.map.layers, empty.combined)
+}
+
 /// The map of classes alone, such as a world's true map; a cell of known class counts as touched.
 pub fn of_classes(grid: GridSpec, method: &str, class: Vec<i8>) -> Map {
     let touched = class.iter().map(|c| u8::from(*c != 0)).collect();

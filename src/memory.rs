@@ -43,6 +43,14 @@ pub fn available() -> Option<u64> {
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
+/// Space that is free where a folder lies, bytes, where the system tells.
+pub fn space(folder: &std::path::Path) -> Option<u64> {
+    #[cfg(unix)]
+    return rustix::fs::statvfs(folder).ok().map(|s| s.f_bavail.saturating_mul(s.f_frsize));
+    #[cfg(not(unix))]
+    return None;
+}
+
 /// What mapping takes, bytes, if readings reach every chunk of the grid: the cells, the layers, one batch.
 pub fn needed(grid: &GridSpec, method: &dyn Method, batch: usize) -> u64 {
     let edge = TILE * CHUNK;
@@ -50,10 +58,33 @@ pub fn needed(grid: &GridSpec, method: &dyn Method, batch: usize) -> u64 {
     let state = chunks * (method::tile_words(method) * CHUNK * CHUNK * 4) as u64;
     // Layers and the combined one in f32, two counts, touched, class; then a copy of a layer to write.
     let layers = grid.cells() as u64 * (4 * (method.layers().len() as u64 + 1) + 8 + 2 + 4);
+    state + layers + batched(batch)
+}
+
+/// What the whole-log way takes, bytes, apart from the readings that it may spill: three chunks of cells on their way, with
+/// their layers and one that is written; batches on both sides of a kernel; what it found for each reading; the pictures.
+pub fn whole(grid: &GridSpec, method: &dyn Method, batch: usize, readings: u64) -> u64 {
+    let edge = TILE * CHUNK;
+    let cells = (grid.width.min(edge) * grid.height.min(edge)) as u64;
+    let words = (method::tile_words(method) * CHUNK * CHUNK * 4) as u64;
+    let layers = cells * (4 * (method.layers().len() as u64 + 1) + 8 + 2 + 4);
+    let batch = batch.min(usize::try_from(readings).unwrap_or(usize::MAX));
+    let found = if method.rounds().is_some_and(|r| r.len() > 1) { 4 * readings } else { 0 };
+    3 * (words + layers) + 3 * batched(batch) + found + (1 << 24)
+}
+
+/// Readings at a time in the whole-log way: no more than `batch`, and so few that batches take a third of `limit`.
+pub fn whole_batch(batch: usize, limit: u64) -> usize {
+    let fits = |n: &usize| 3 * batched(*n) <= limit / 3;
+    (10..).map(|k| 1usize << k).take_while(|n| *n <= batch && fits(n)).last().unwrap_or(batch.min(1 << 10))
+}
+
+/// What a batch takes, bytes.
+fn batched(batch: usize) -> u64 {
     // A cone, and its pairs with tiles, twice while they are merged; with certainty a sum's parts. A box of 64 tiles a
     // reading is ample for 5 m on 5 cm, and no batch comes to more than PAIRS.
     let pairs = (batch as u64 * 64).min(PAIRS as u64);
-    state + layers + batch as u64 * 80 + pairs * (2 * 24 + 8 + 64)
+    batch as u64 * 80 + pairs * (2 * 24 + 8 + 64)
 }
 
 /// Fails where a run needs more than the cap, or than the machine has; `remedy` says what to do.

@@ -6,8 +6,9 @@ use crate::kernels::Choice;
 use crate::log;
 use crate::method::settings::{Likelihood, MassModel, Settings};
 use crate::method::{self, REGISTRY};
+use crate::reading::Counts;
 use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, Sensor, length};
-use crate::session::{Mapped, Request, Session};
+use crate::session::{Request, Session};
 use crate::{Error, Result};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
@@ -239,12 +240,12 @@ pub fn parameters(session: &Session) -> Vec<(String, String)> {
     all
 }
 
-/// A progress bar over readings, as often as they are swept over, on a terminal only; it goes away at the end.
-pub fn progress(session: &Session, what: &'static str, sweeps: usize, quiet: bool) -> ProgressBar {
+/// A progress bar over so many readings, on a terminal only; it goes away at the end.
+pub fn bar(readings: u64, what: &'static str, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::new(session.survey.counts.used * sweeps as u64).with_finish(ProgressFinish::AndClear);
+    let bar = ProgressBar::new(readings).with_finish(ProgressFinish::AndClear);
     if let Ok(style) = ProgressStyle::with_template("{msg:10} {wide_bar} {human_pos}/{human_len} readings, {eta} left")
     {
         bar.set_style(style);
@@ -268,8 +269,7 @@ pub fn spinner(what: &'static str, quiet: bool) -> ProgressBar {
 }
 
 /// One line on what became of the log's readings.
-pub fn readings(mapped: &Mapped, session: &Session) -> String {
-    let c = &mapped.counts;
+pub fn readings(c: &Counts, session: &Session) -> String {
     let r = c.rejected;
     let rejected = r.below_r_min + r.not_a_number + r.negative + r.beyond_hit_range;
     let mut text = format!("{} of {} readings of {} scans", c.used, c.read, session.survey.scans);
@@ -310,8 +310,8 @@ pub fn warn_of_jump(arguments: &LogArguments, session: &Session) {
 }
 
 /// Warns where bounds were given that no reading reaches.
-pub fn warn_of_empty_map(mapped: &Mapped, session: &Session) {
-    if mapped.counts.outside == mapped.counts.used {
+pub fn warn_of_empty_map(counts: &Counts, session: &Session) {
+    if counts.outside == counts.used {
         let [x0, y0, x1, y1] = session.survey.covered;
         note!("no reading reaches these --bounds: the log covers {x0:.2},{y0:.2},{x1:.2},{y1:.2}");
     }

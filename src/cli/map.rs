@@ -1,15 +1,16 @@
 //! `echogrid map`.
 
 use super::common::{
-    BackendArgument, LogArguments, done, from_one, parameters, progress, readings, spinner, warn_of_bad_lines,
+    BackendArgument, LogArguments, bar, count, done, from_one, parameters, readings, spinner, warn_of_bad_lines,
     warn_of_empty_map, warn_of_jump,
 };
-use super::say;
+use super::{note, say};
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
-use crate::output::{self, Folder, LogInfo, Report, RunInfo};
+use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo};
+use crate::reading::Counts;
 use crate::session::{Mapped, Session};
-use crate::{Error, Result, memory, method};
+use crate::{Error, Result, layers, memory, method, whole};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -27,6 +28,9 @@ pub struct Map {
     /// Memory that may be used, such as 4GiB [default: what the machine has free]
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
+    /// Go on with the unfinished map that a killed run left beside the folder
+    #[arg(long)]
+    resume: bool,
     /// Also write a picture and JSON of used reading N alone
     #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
     working: Option<u64>,
@@ -45,42 +49,106 @@ impl Map {
     /// Maps the log.
     pub fn run(self) -> Result<u8> {
         let request = self.log.request()?;
-        let folder = Folder::prepare(&self.output)?;
+        let folder = Folder::open(&self.output, self.resume)?;
         let started = Instant::now();
         let session = Session::open(&self.log.log, &request)?;
         let surveyed = started.elapsed().as_secs_f64();
         warn_of_bad_lines(&session);
-        session.check_memory(session.memory(self.log.batch), self.memory)?;
         self.check_working(&session)?;
         warn_of_jump(&self.log, &session);
+        let whole = session.method.rounds().is_some() && self.backend.choice().is_some();
+        if !whole || self.working.is_some() {
+            session.check_memory(session.memory(self.log.batch), self.memory)?;
+        }
+        let seconds = vec![("survey".to_string(), surveyed)];
+        let (folder, report, counts, ran) = match self.backend.choice() {
+            Some(choice) if whole => self.whole(folder, &session, choice, seconds)?,
+            choice => self.resident(folder, &session, choice, seconds)?,
+        };
+        if let Some(n) = self.working {
+            self.write_working(&folder, &session, n as usize)?;
+        }
+        let place = folder.finish()?;
+        warn_of_empty_map(&counts, &session);
+        if self.json {
+            say!("{}", serde_json::to_string_pretty(&report).unwrap_or_default());
+        } else if !self.quiet {
+            summary(&session, &counts, &report, &ran.why, &place);
+        }
+        Ok(done(&session))
+    }
 
+    fn hidden(&self) -> bool {
+        self.quiet || self.json
+    }
+
+    /// The whole-log way: chunk by chunk, each written when it is done.
+    fn whole(
+        &self,
+        folder: Folder,
+        session: &Session,
+        choice: crate::kernels::Choice,
+        seconds: Vec<(String, f64)>,
+    ) -> Result<(Folder, Report, Counts, Ran)> {
+        let plan = whole::Plan::of(session, self.log.batch, self.memory)?;
+        plan.check_space(folder.path(), self.npy)?;
+        let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
+        let ran = Ran::of(&chosen);
+        let info = run_info(session, &ran, Counts::default(), seconds)?;
+        let (heads, combined) = layers::heads(session.method.as_ref());
+        let method = method::name(session.method.as_ref()).to_string();
+        let outline = Outline { grid: session.grid, method, heads, combined, npy: self.npy };
+        let mut writer = MapWriter::open(folder.path(), outline, &info, self.resume)?;
+        let before = writer.done().len();
+        let stage = |what, readings| -> Box<dyn Fn(u64)> {
+            let bar = bar(readings, what, self.hidden());
+            Box::new(move |n| bar.inc(n))
+        };
+        let mapped = whole::map(session, chosen.backend.as_mut(), &plan, folder.path(), &stage, &mut writer);
+        let (counts, stages) = match mapped {
+            Ok(mapped) => mapped,
+            // What is done is not lost.
+            Err(e) if !writer.done().is_empty() => {
+                let kept = folder.path().display().to_string();
+                folder.keep();
+                return Err(e.and(&format!("the finished part stays in {kept}: --resume goes on from there")));
+            }
+            Err(e) => return Err(e),
+        };
+        if before > 0 {
+            note!("resumed: {} had been done", count(before as u64, "chunk"));
+        }
+        let info = RunInfo { readings: counts, seconds: info.seconds.into_iter().chain(stages).collect(), ..info };
+        let report = writer.finish(&info)?;
+        Ok((folder, report, counts, ran))
+    }
+
+    /// With all chunks resident: where the method needs it, and for the reference.
+    fn resident(
+        &self,
+        folder: Folder,
+        session: &Session,
+        choice: Option<crate::kernels::Choice>,
+        mut seconds: Vec<(String, f64)>,
+    ) -> Result<(Folder, Report, Counts, Ran)> {
         let started = Instant::now();
-        let (name, hidden) = (method::name(session.method.as_ref()), self.quiet || self.json);
-        let (mapped, ran) = match self.backend.choice() {
+        let name = method::name(session.method.as_ref());
+        let (mapped, ran) = match choice {
             None => {
-                let _sign = spinner(name, hidden);
+                let _sign = spinner(name, self.hidden());
                 (session.oracle_map()?, Ran { backend: "oracle", ..Ran::default() })
             }
             Some(choice) => {
-                let bar = progress(&session, name, session.method.sweeps().len(), hidden);
+                let sweeps = session.method.sweeps().len() as u64;
+                let bar = bar(session.survey.counts.used * sweeps, name, self.hidden());
                 let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
                 let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|n| bar.inc(n))?;
                 (mapped, Ran::of(&chosen))
             }
         };
-        let seconds = vec![("survey".to_string(), surveyed), ("map".to_string(), started.elapsed().as_secs_f64())];
-        let report = save(&folder, &session, &mapped, &ran, seconds, self.npy)?;
-        if let Some(n) = self.working {
-            self.write_working(&folder, &session, n as usize)?;
-        }
-        let place = folder.finish()?;
-        warn_of_empty_map(&mapped, &session);
-        if self.json {
-            say!("{}", serde_json::to_string_pretty(&report).unwrap_or_default());
-        } else if !self.quiet {
-            summary(&session, &mapped, &report, &ran.why, &place);
-        }
-        Ok(done(&session))
+        seconds.push(("map".into(), started.elapsed().as_secs_f64()));
+        let report = save(&folder, session, &mapped, &ran, seconds, self.npy)?;
+        Ok((folder, report, mapped.counts, ran))
     }
 
     /// Before the long run: is there such a reading?
@@ -130,24 +198,29 @@ pub fn save(
     seconds: Vec<(String, f64)>,
     npy: bool,
 ) -> Result<Report> {
-    let info = RunInfo {
+    let info = run_info(session, ran, mapped.counts, seconds)?;
+    output::write_map(folder, &mapped.finished.map, &mapped.finished.combined, &info, npy)
+}
+
+/// What a report says of a run.
+fn run_info(session: &Session, ran: &Ran, counts: Counts, seconds: Vec<(String, f64)>) -> Result<RunInfo> {
+    Ok(RunInfo {
         parameters: output::parameters(parameters(session)),
         log: LogInfo { path: session.log.path().display().to_string(), sha256: session.log.sha256()? },
         sensors: session.sensors().to_vec(),
-        readings: mapped.counts,
+        readings: counts,
         seconds,
         backend: ran.backend.into(),
         adapter: ran.adapter.clone(),
         bad_lines: session.survey.bad_lines.clone(),
         increments: None,
-    };
-    output::write_map(folder, &mapped.finished.map, &mapped.finished.combined, &info, npy)
+    })
 }
 
-fn summary(session: &Session, mapped: &Mapped, report: &Report, why: &str, place: &std::path::Path) {
+fn summary(session: &Session, counts: &Counts, report: &Report, why: &str, place: &std::path::Path) {
     let c = &report.cells;
     let seconds: f64 = report.seconds.iter().map(|s| s.1).sum();
-    say!("{}", readings(mapped, session));
+    say!("{}", readings(counts, session));
     say!(
         "{}: {} × {} cells of {} m from ({:.2}, {:.2}) m; {} touched, {} occupied, {} empty; {} cell updates",
         report.method,

@@ -1,6 +1,6 @@
 //! `echogrid plan`.
 
-use super::common::{LogArguments, count, done, parameters, progress, warn_of_bad_lines, warn_of_jump};
+use super::common::{LogArguments, bar, count, done, parameters, warn_of_bad_lines, warn_of_jump};
 use super::say;
 use crate::Result;
 use crate::kernels::dry::Dry;
@@ -27,7 +27,7 @@ impl Plan {
         let mut dry = Dry::default();
         let method = session.method.as_ref();
         let mut mapper = crate::mapper::Mapper::new(session.grid, session.sensors(), method, &mut dry, self.log.batch);
-        let bar = progress(&session, "plan", 1, self.json);
+        let bar = bar(session.survey.counts.used, "plan", self.json);
         mapper.sweep(0, session.items()?.inspect(|_| bar.inc(1)))?;
         drop(bar);
         let work = mapper.work;

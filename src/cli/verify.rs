@@ -1,6 +1,6 @@
 //! `echogrid verify`.
 
-use super::common::{LogArguments, done, progress, spinner, warn_of_bad_lines, warn_of_jump};
+use super::common::{LogArguments, bar, done, spinner, warn_of_bad_lines, warn_of_jump};
 use super::{note, say};
 use crate::compare::{Options, compare, write_pictures};
 use crate::kernels::{Choice, Chosen, choose, gpu_required};
@@ -76,7 +76,8 @@ impl Verify {
         let mut maps: Vec<Finished> = Vec::new();
         for mut chosen in backends {
             let started = Instant::now();
-            let bar = progress(&session, chosen.backend.name(), session.method.sweeps().len(), hidden);
+            let readings = session.survey.counts.used * session.method.sweeps().len() as u64;
+            let bar = bar(readings, chosen.backend.name(), hidden);
             let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|n| bar.inc(n))?;
             drop(bar);
             let seconds = started.elapsed().as_secs_f64();

@@ -4,6 +4,7 @@
 //! The old map steps aside as `DIR.old-PID` before the new one takes its place; a run killed between the two renames is
 //! mended by the next [`Folder::prepare`]. Nothing is ever removed that echogrid didn't write.
 
+use super::writer::RUN;
 use crate::{Error, Result};
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -24,8 +25,14 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Checks, before the long run, that `path` may become a map, and opens `path.partial` beside it.
+    /// Checks, before the long run, that `path` may become a map, and opens `path.partial` beside it, afresh.
     pub fn prepare(path: &Path) -> Result<Folder> {
+        Folder::open(path, false)
+    }
+
+    /// The same; with `resume`, an unfinished map that a killed run left in `path.partial` stays, to be gone on with.
+    /// Without it such a one is an error.
+    pub fn open(path: &Path, resume: bool) -> Result<Folder> {
         let target = resolve(path)?;
         let parent = parent_of(&target);
         if let Some(file) = parent.ancestors().find(|a| a.is_file()) {
@@ -36,8 +43,13 @@ impl Folder {
         fs::create_dir_all(&parent).map_err(|e| unusable(path, &format!("its parent can't be made: {e}")))?;
         recover(&folder.target)?;
         check_target(&folder.target)?;
-        folder.marker = Some(open_partial(&folder.partial)?);
+        folder.marker = Some(open_partial(&folder.partial, resume)?);
         Ok(folder)
+    }
+
+    /// Leaves the partial folder where it is, to be gone on with; the lock is given up.
+    pub fn keep(mut self) {
+        self.marker = None;
     }
 
     /// Where the files are to be written.
@@ -145,7 +157,7 @@ fn check_target(target: &Path) -> Result<()> {
 }
 
 /// Makes the partial folder afresh and locks its marker.
-fn open_partial(partial: &Path) -> Result<File> {
+fn open_partial(partial: &Path, resume: bool) -> Result<File> {
     let marker = partial.join(MARKER);
     if partial.exists() {
         if !partial.is_dir() || !is_ours(partial) {
@@ -156,10 +168,17 @@ fn open_partial(partial: &Path) -> Result<File> {
         {
             return Err(blocked(partial, "another run is writing it", "wait for that run"));
         }
-        remove(partial)
-            .map_err(|e| unusable(partial, &format!("a killed run left it and it can't be removed: {e}")))?;
+        if partial.join(RUN).exists() {
+            if !resume {
+                let what = "it holds an unfinished map";
+                return Err(blocked(partial, what, "go on with it by --resume, or remove it"));
+            }
+        } else {
+            remove(partial)
+                .map_err(|e| unusable(partial, &format!("a killed run left it and it can't be removed: {e}")))?;
+        }
     }
-    fs::create_dir(partial).map_err(|e| unusable(partial, &e.to_string()))?;
+    fs::create_dir_all(partial).map_err(|e| unusable(partial, &e.to_string()))?;
     let file = File::create(&marker).map_err(|e| unusable(partial, &e.to_string()))?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(blocked(partial, "another run is writing it", "wait for that run")),

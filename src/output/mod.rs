@@ -4,9 +4,11 @@
 mod folder;
 mod npy;
 mod png;
+mod raster;
 mod report;
 mod ros;
 mod working;
+mod writer;
 mod zarr;
 
 pub use folder::Folder;
@@ -14,9 +16,11 @@ pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
 pub use ros::read_ros;
 pub use working::write_working;
+pub use writer::{MapWriter, Outline, cut, head};
 pub use zarr::{StoredMap, read_map};
 
 use crate::grid::{Layer, Map};
+use crate::whole::{part, places};
 use crate::{Error, Result};
 use std::path::Path;
 use std::time::Instant;
@@ -29,25 +33,20 @@ use std::time::Instant;
 pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, npy: bool) -> Result<Report> {
     let start = Instant::now();
     check(map)?;
-    let place = folder.path();
-    for layer in &map.layers {
-        // A layer of that name is the combined one, drawn below.
-        if layer.name != "map" {
-            write_picture(&place.join(format!("{}.png", layer.name)), map, layer)?;
-        }
+    let heads = map.layers.iter().map(head).collect();
+    let outline = Outline { grid: map.grid, method: map.method.clone(), heads, combined: head(combined), npy };
+    let mut writer = MapWriter::open(folder.path(), outline, info, false)?;
+    // the whole map's updates are the first chunk's: a part knows none of its own
+    let mut updates = map.updates;
+    for at in places(&map.grid) {
+        let layers = map.layers.iter().map(|layer| cut(&map.grid, layer, at)).collect();
+        let part = Map { grid: part(&map.grid, at), method: map.method.clone(), layers, updates };
+        writer.chunk(at, &part, &cut(&map.grid, combined, at))?;
+        updates = 0;
     }
-    write_picture(&place.join("map.png"), map, combined)?;
-    ros::write(place, map)?;
-    if npy {
-        for layer in &map.layers {
-            npy::write(&place.join(format!("{}.npy", layer.name)), &map.grid, &layer.data)?;
-        }
-    }
-    zarr::write(&place.join("map.zarr"), map, info)?;
-    let mut report = Report::new(map, info);
-    report.seconds.push(("write".into(), start.elapsed().as_secs_f64()));
-    report::write(&place.join("report.json"), &report)?;
-    Ok(report)
+    let mut info = info.clone();
+    info.seconds.push(("write".into(), start.elapsed().as_secs_f64()));
+    writer.finish(&info)
 }
 
 /// What every writer relies on: layers of the grid's size, names that are file names, the two layers of every map.

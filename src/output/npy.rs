@@ -1,27 +1,41 @@
 //! One layer as a NumPy file, format version 1.0: rows from the bottom, C order, little endian.
 
-use super::unwritable;
+use super::raster::Raster;
 use crate::Result;
-use crate::grid::{Data, GridSpec};
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use crate::grid::{Data, GridSpec, Layer};
 use std::path::Path;
 
-/// Writes `data` as an array of shape (height, width); row 0 is the bottom row.
-pub(super) fn write(path: &Path, grid: &GridSpec, data: &Data) -> Result<()> {
-    save(path, grid, data).map_err(|e| unwritable(path, e))
+/// Opens the file of a layer of the grid.
+pub(super) fn open(path: &Path, grid: &GridSpec, data: &Data, resume: bool) -> Result<Raster> {
+    Raster::open(path, &header(grid, data), [grid.width, grid.height], size(data), false, resume)
 }
 
-fn save(path: &Path, grid: &GridSpec, data: &Data) -> std::io::Result<()> {
-    let mut file = BufWriter::new(File::create(path)?);
-    file.write_all(&header(grid, data))?;
+/// Bytes a value.
+pub(super) fn size(data: &Data) -> usize {
     match data {
-        Data::F32(v) => v.iter().try_for_each(|v| file.write_all(&v.to_le_bytes()))?,
-        Data::U32(v) => v.iter().try_for_each(|v| file.write_all(&v.to_le_bytes()))?,
-        Data::U8(v) => file.write_all(v)?,
-        Data::I8(v) => file.write_all(bytemuck::cast_slice(v))?,
+        Data::F32(_) | Data::U32(_) => 4,
+        Data::U8(_) | Data::I8(_) => 1,
     }
-    file.into_inner().map_err(|e| e.into_error())?.sync_all()
+}
+
+/// Values in little endian.
+pub(super) fn bytes(data: &Data) -> Vec<u8> {
+    match data {
+        Data::F32(v) => v.iter().flat_map(|v| v.to_le_bytes()).collect(),
+        Data::U32(v) => v.iter().flat_map(|v| v.to_le_bytes()).collect(),
+        Data::U8(v) => v.clone(),
+        Data::I8(v) => bytemuck::cast_slice(v).to_vec(),
+    }
+}
+
+/// A layer's fill value in little endian.
+pub(super) fn fill(layer: &Layer) -> Vec<u8> {
+    match layer.data {
+        Data::F32(_) => (layer.fill as f32).to_le_bytes().into(),
+        Data::U32(_) => (layer.fill as u32).to_le_bytes().into(),
+        Data::U8(_) => vec![layer.fill as u8],
+        Data::I8(_) => vec![layer.fill as i8 as u8],
+    }
 }
 
 /// Magic, version and a Python dict, padded so that the values start at a multiple of 64 bytes.

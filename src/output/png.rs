@@ -3,7 +3,7 @@
 
 use super::unwritable;
 use crate::Result;
-use crate::grid::{Layer, Map, Scale};
+use crate::grid::{GridSpec, Layer, Map, Scale};
 use png::{BitDepth, ColorType, Compression, Encoder, Filter};
 use rayon::prelude::*;
 use std::fs::File;
@@ -11,24 +11,34 @@ use std::io::BufWriter;
 use std::path::Path;
 
 /// Wider or taller pictures are reduced, so that a viewer can open them.
-const LARGEST: usize = 8192;
+const LARGEST: usize = 4096;
 /// Palette entry 0: cells that no reading reached, and values that are no number.
 const UNTOUCHED: [u8; 3] = [168, 180, 196];
 /// Palette entry of a signed scale's zero; entries 1 to 255 are the scale from low to high.
 const MIDDLE: u8 = 128;
 
-/// Writes one layer of a map as a PNG. A picture of more than 8192 pixels a side is reduced by a whole factor; a pixel
-/// then shows the cell of its block with the largest magnitude.
+/// Writes one layer of a map as a PNG. A picture of more than 4096 pixels a side is reduced by a power of two; a pixel then
+/// shows the cell of its block with the largest magnitude.
 pub fn write_picture(path: &Path, map: &Map, layer: &Layer) -> Result<()> {
-    let (width, height, pixels) = pixels(map, layer);
-    save(path, width, height, &palette(layer.scale), &pixels).map_err(|e| unwritable(path, e))
+    let (extent, mut pixels) = entries(map, layer, factor(&map.grid));
+    flip(&mut pixels, extent[0]);
+    save(path, extent, layer.scale, &pixels)
 }
 
-/// The picture's size and its palette entries, top row first.
-fn pixels(map: &Map, layer: &Layer) -> (usize, usize, Vec<u8>) {
+/// By how much a grid's pictures are reduced: a power of two, so that no block lies in two chunks.
+pub(super) fn factor(grid: &GridSpec) -> usize {
+    grid.width.max(grid.height).div_ceil(LARGEST).next_power_of_two()
+}
+
+/// Columns and rows of a grid reduced by a factor.
+pub(super) fn reduced(grid: &GridSpec, factor: usize) -> [usize; 2] {
+    [grid.width.div_ceil(factor), grid.height.div_ceil(factor)]
+}
+
+/// A layer's palette entries, reduced by a factor, bottom row first, and their extent.
+pub(super) fn entries(map: &Map, layer: &Layer, factor: usize) -> ([usize; 2], Vec<u8>) {
     let grid = &map.grid;
-    let factor = grid.width.max(grid.height).div_ceil(LARGEST).max(1);
-    let (width, height) = (grid.width.div_ceil(factor), grid.height.div_ceil(factor));
+    let [width, height] = reduced(grid, factor);
     let touched = map.layer("touched").filter(|_| layer.name != "touched").map(|t| &t.data);
     let value = |k: usize| {
         let seen = touched.is_none_or(|t| t.get(k) != 0.0);
@@ -36,7 +46,7 @@ fn pixels(map: &Map, layer: &Layer) -> (usize, usize, Vec<u8>) {
     };
     let mut pixels = vec![0; width * height];
     pixels.par_chunks_mut(width).enumerate().for_each(|(line, pixels)| {
-        let row = (height - 1 - line) * factor;
+        let row = line * factor;
         for (column, pixel) in pixels.iter_mut().enumerate().map(|(c, p)| (c * factor, p)) {
             let rows = row..(row + factor).min(grid.height);
             let columns = column..(column + factor).min(grid.width);
@@ -45,7 +55,16 @@ fn pixels(map: &Map, layer: &Layer) -> (usize, usize, Vec<u8>) {
             *pixel = strongest.map_or(0, |v| entry(layer.scale, v));
         }
     });
-    (width, height, pixels)
+    ([width, height], pixels)
+}
+
+/// Turns rows upside down.
+pub(super) fn flip(pixels: &mut [u8], width: usize) {
+    let rows = pixels.len() / width.max(1);
+    for row in 0..rows / 2 {
+        let (low, high) = pixels.split_at_mut((rows - 1 - row) * width);
+        low[row * width..][..width].swap_with_slice(&mut high[..width]);
+    }
 }
 
 /// A value's palette entry, 1 to 255.
@@ -70,7 +89,12 @@ fn palette(scale: Scale) -> Vec<u8> {
     UNTOUCHED.into_iter().chain(scale).collect()
 }
 
-fn save(path: &Path, width: usize, height: usize, palette: &[u8], pixels: &[u8]) -> std::io::Result<()> {
+/// Saves palette entries, top row first.
+pub(super) fn save(path: &Path, extent: [usize; 2], scale: Scale, pixels: &[u8]) -> Result<()> {
+    encode(path, extent, &palette(scale), pixels).map_err(|e| unwritable(path, e))
+}
+
+fn encode(path: &Path, [width, height]: [usize; 2], palette: &[u8], pixels: &[u8]) -> std::io::Result<()> {
     let file = BufWriter::new(File::create(path)?);
     let mut encoder = Encoder::new(file, width as u32, height as u32);
     encoder.set_color(ColorType::Indexed);

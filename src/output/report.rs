@@ -6,7 +6,7 @@ use crate::Result;
 use crate::grid::{GridSpec, Layer, Map, Scale};
 use crate::reading::Counts;
 use crate::sensor::{Kind, Sensor};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -104,7 +104,7 @@ pub struct Cells {
 /// A layer's values in brief. Not-a-number and infinities are `null` in the file.
 #[derive(Debug, Clone, Serialize)]
 pub struct LayerReport {
-    /// The sum over all cells in f64, row by row from the bottom.
+    /// The sum over all cells in f64: chunk by chunk of 1024 × 1024 cells, in each row by row, from the lower left.
     pub sum: f64,
     /// The smallest value.
     pub min: f64,
@@ -152,19 +152,82 @@ pub struct Report {
     pub version: String,
 }
 
+/// What a part of a map comes to.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Tally {
+    cells: [u64; 4],
+    updates: u64,
+    layers: Vec<[Bits; 3]>,
+}
+
+/// An f64 that JSON keeps to the bit, infinities too.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Bits(u64);
+
+impl Tally {
+    /// Of a part with its values.
+    pub fn of(part: &Map) -> Tally {
+        let layer = |l: &Layer| {
+            let start = [0.0, f64::INFINITY, f64::NEG_INFINITY];
+            (0..l.data.len()).map(|k| l.data.get(k)).fold(start, |[s, a, b], v| [s + v, a.min(v), b.max(v)])
+        };
+        let count = |name: &str, value: f64| {
+            part.layer(name).map_or(0, |l| (0..l.data.len()).filter(|&k| l.data.get(k) == value).count() as u64)
+        };
+        Tally {
+            cells: [count("touched", 1.0), count("class", 1.0), count("class", -1.0), count("class", 0.0)],
+            updates: part.updates,
+            layers: part.layers.iter().map(|l| layer(l).map(|v| Bits(v.to_bits()))).collect(),
+        }
+    }
+
+    /// Of a part that nothing reached.
+    pub fn unreached(heads: &[Layer], cells: usize) -> Tally {
+        let layer = |l: &Layer| [l.fill * cells as f64, l.fill, l.fill].map(|v| Bits(v.to_bits()));
+        Tally { cells: [0, 0, 0, cells as u64], updates: 0, layers: heads.iter().map(layer).collect() }
+    }
+}
+
 impl Report {
-    /// Counts a map and joins what the caller knows.
-    pub fn new(map: &Map, info: &RunInfo) -> Report {
+    /// Adds up the parts of a map, in their order, and joins what the caller knows. `heads` are the layers without values.
+    pub(super) fn of<'a>(
+        grid: &GridSpec,
+        method: &str,
+        heads: &[Layer],
+        tallies: impl Iterator<Item = &'a Tally>,
+        info: &RunInfo,
+    ) -> Report {
+        let mut layers: Vec<(String, LayerReport)> =
+            heads.iter().map(|l| (l.name.clone(), LayerReport::start(l.scale))).collect();
+        let (mut cells, mut updates) = ([0; 4], 0);
+        for tally in tallies {
+            (0..4).for_each(|k| cells[k] += tally.cells[k]);
+            updates += tally.updates;
+            layers
+                .iter_mut()
+                .zip(&tally.layers)
+                .for_each(|((_, all), part)| all.add(part.map(|b| f64::from_bits(b.0))));
+        }
         Report {
-            method: map.method.clone(),
+            method: method.into(),
             parameters: info.parameters.clone(),
             log: info.log.clone(),
-            sensors: info.sensors.iter().map(|s| SensorReport::of(s, map.grid.resolution)).collect(),
+            sensors: info.sensors.iter().map(|s| SensorReport::of(s, grid.resolution)).collect(),
             readings: info.readings,
             bad_lines: info.bad_lines.clone(),
-            cells: Cells::of(map),
-            updates: map.updates,
-            layers: map.layers.iter().map(|l| (l.name.clone(), LayerReport::of(l))).collect(),
+            cells: Cells {
+                x0: tidy(grid.x0()),
+                y0: tidy(grid.y0()),
+                resolution: grid.resolution,
+                width: grid.width,
+                height: grid.height,
+                touched: cells[0],
+                occupied: cells[1],
+                empty: cells[2],
+                unknown: cells[3],
+            },
+            updates,
+            layers,
             increments: info.increments.clone(),
             seconds: info.seconds.clone(),
             peak_memory: peak_memory(),
@@ -199,43 +262,19 @@ pub fn tidy(value: f64) -> f64 {
     if rounded.is_finite() { rounded + 0.0 } else { value }
 }
 
-impl Cells {
-    fn of(map: &Map) -> Cells {
-        let GridSpec { resolution, width, height, .. } = map.grid;
-        let count = |layer: &str, value: f64| {
-            map.layer(layer).map_or(0, |l| (0..l.data.len()).filter(|&k| l.data.get(k) == value).count() as u64)
-        };
-        Cells {
-            x0: tidy(map.grid.x0()),
-            y0: tidy(map.grid.y0()),
-            resolution,
-            width,
-            height,
-            touched: count("touched", 1.0),
-            occupied: count("class", 1.0),
-            empty: count("class", -1.0),
-            unknown: count("class", 0.0),
-        }
-    }
-}
-
 impl LayerReport {
-    fn of(layer: &Layer) -> LayerReport {
-        let start = LayerReport {
-            sum: 0.0,
-            min: f64::INFINITY,
-            max: f64::NEG_INFINITY,
-            scale: match layer.scale {
-                Scale::Grey { low, high } => json!({ "grey": [low, high] }),
-                Scale::Signed { limit } => json!({ "signed": limit }),
-            },
+    /// Of no cell yet.
+    fn start(scale: Scale) -> LayerReport {
+        let scale = match scale {
+            Scale::Grey { low, high } => json!({ "grey": [low, high] }),
+            Scale::Signed { limit } => json!({ "signed": limit }),
         };
-        (0..layer.data.len()).map(|k| layer.data.get(k)).fold(start, |all, v| LayerReport {
-            sum: all.sum + v,
-            min: all.min.min(v),
-            max: all.max.max(v),
-            scale: all.scale,
-        })
+        LayerReport { sum: 0.0, min: f64::INFINITY, max: f64::NEG_INFINITY, scale }
+    }
+
+    fn add(&mut self, [sum, min, max]: [f64; 3]) {
+        self.sum += sum;
+        (self.min, self.max) = (self.min.min(min), self.max.max(max));
     }
 }
 

@@ -4,40 +4,32 @@
 //! unknown. 205 gives 0.19608, just above 0.196: unknown. Row 0 of the picture is the top; the origin is the lower left
 //! corner of the lower left pixel.
 
+use super::raster::Raster;
 use super::report::tidy;
 use super::unwritable;
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
 use crate::{Error, Result};
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
 const OCCUPIED: u8 = 0;
 const UNKNOWN: u8 = 205;
 const FREE: u8 = 254;
 
-/// Writes the map's `class` layer.
-pub(super) fn write(folder: &Path, map: &Map) -> Result<()> {
-    let Some(class) = map.layer("class") else { return Ok(()) };
-    let picture = folder.join("map.pgm");
-    write_pgm(&picture, &map.grid, class).map_err(|e| unwritable(&picture, e))?;
+/// Opens `map.pgm` for a grid's classes, and writes `map.yaml`.
+pub(super) fn open(folder: &Path, grid: &GridSpec, resume: bool) -> Result<Raster> {
     let about = folder.join("map.yaml");
-    std::fs::write(&about, yaml(&map.grid)).map_err(|e| unwritable(&about, e))
+    std::fs::write(&about, yaml(grid)).map_err(|e| unwritable(&about, e))?;
+    let header = format!("P5\n{} {}\n255\n", grid.width, grid.height);
+    Raster::open(&folder.join("map.pgm"), header.as_bytes(), [grid.width, grid.height], 1, true, resume)
 }
 
-fn write_pgm(path: &Path, grid: &GridSpec, class: &Layer) -> std::io::Result<()> {
-    let mut file = BufWriter::new(File::create(path)?);
-    write!(file, "P5\n{} {}\n255\n", grid.width, grid.height)?;
-    for row in (0..grid.height).rev() {
-        let pixel = |column| match class.data.get(row * grid.width + column) {
-            v if v > 0.0 => OCCUPIED,
-            v if v < 0.0 => FREE,
-            _ => UNKNOWN,
-        };
-        let line: Vec<u8> = (0..grid.width).map(pixel).collect();
-        file.write_all(&line)?;
+/// What a class looks like.
+pub(super) fn pixel(class: f64) -> u8 {
+    match class {
+        v if v > 0.0 => OCCUPIED,
+        v if v < 0.0 => FREE,
+        _ => UNKNOWN,
     }
-    file.flush()
 }
 
 fn yaml(grid: &GridSpec) -> String {

@@ -4,18 +4,19 @@
 //! A shard is 1024 × 1024 cells in inner chunks of 256 × 256. Chunks wholly of the fill value are not stored: a huge map
 //! costs what was seen of it. One writer a shard: two would lose each other's chunks silently.
 
+use super::png::reduced;
 use super::{RunInfo, folder, unwritable};
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
 use crate::{Error, Result};
 use rayon::prelude::*;
 use serde_json::{Map as Object, Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zarrs::array::codec::{Crc32cCodec, ShardingCodecOptions, SubchunkWriteOrder, ZstdCodec};
 use zarrs::array::data_type::{self, Float32DataType, Int8DataType, UInt8DataType, UInt32DataType};
 use zarrs::array::{
-    Array, ArrayBuilder, ArrayMetadataOptions, BytesToBytesCodecTraits, CodecSpecificOptions, DataType, Element,
-    ElementOwned, FillValue,
+    Array, ArrayBuilder, ArrayMetadataOptions, BytesToBytesCodecTraits, CodecSpecificOptions, DataType, ElementOwned,
+    FillValue,
 };
 use zarrs::filesystem::FilesystemStore;
 use zarrs::group::{Group, GroupBuilder};
@@ -36,37 +37,119 @@ pub struct StoredMap {
     pub report: Value,
 }
 
-/// Writes the store at `path`.
-pub(super) fn write(path: &Path, map: &Map, info: &RunInfo) -> Result<()> {
-    write_store(path, map, info).map_err(|e| unwritable(path, e))
-}
-
 /// Any of zarrs's errors: they all become one message.
 type Cause = Box<dyn std::error::Error + Send + Sync>;
 type Tried<T> = std::result::Result<T, Cause>;
 
-fn write_store(path: &Path, map: &Map, info: &RunInfo) -> Tried<()> {
-    let store = Arc::new(FilesystemStore::new(path)?);
-    GroupBuilder::new().attributes(attributes(map, info)).build(store.clone(), "/")?.store_metadata()?;
-    let grid = &map.grid;
-    write_axis(&store, "x", grid.width, |k| grid.centre(k, 0).0)?;
-    write_axis(&store, "y", grid.height, |k| grid.centre(0, k).1)?;
-    for layer in &map.layers {
-        match &layer.data {
-            Data::F32(v) => write_layer(&store, grid, layer, v, data_type::float32(), layer.fill as f32)?,
-            Data::U32(v) => write_layer(&store, grid, layer, v, data_type::uint32(), layer.fill as u32)?,
-            Data::U8(v) => write_layer(&store, grid, layer, v, data_type::uint8(), layer.fill as u8)?,
-            Data::I8(v) => write_layer(&store, grid, layer, v, data_type::int8(), layer.fill as i8)?,
-        }
-    }
-    Ok(())
+/// A store under way: its arrays are there, chunks come one by one.
+pub(super) struct Store {
+    path: PathBuf,
+    grid: GridSpec,
+    store: Arc<FilesystemStore>,
+    layers: Vec<Array<FilesystemStore>>,
+    overview: Vec<Array<FilesystemStore>>,
 }
 
-fn attributes(map: &Map, info: &RunInfo) -> Object<String, Value> {
-    let GridSpec { anchor, resolution, i0, j0, width, height } = map.grid;
-    let names: Vec<&str> = map.layers.iter().map(|l| l.name.as_str()).collect();
+impl Store {
+    /// Makes the arrays of a grid's layers (`heads` hold no values), and those of the overview's levels.
+    pub fn open(path: &Path, grid: &GridSpec, heads: &[Layer], combined: &Layer, levels: usize) -> Result<Store> {
+        Store::make(path, grid, heads, combined, levels).map_err(|e| unwritable(path, e))
+    }
+
+    fn make(path: &Path, grid: &GridSpec, heads: &[Layer], combined: &Layer, levels: usize) -> Tried<Store> {
+        let store = Arc::new(FilesystemStore::new(path)?);
+        write_axis(&store, "x", grid.width, |k| grid.centre(k, 0).0)?;
+        write_axis(&store, "y", grid.height, |k| grid.centre(0, k).1)?;
+        let layer = |head: &Layer| match head.data {
+            Data::F32(_) => array(&store, grid, head, data_type::float32(), (head.fill as f32).into()),
+            Data::U32(_) => array(&store, grid, head, data_type::uint32(), (head.fill as u32).into()),
+            Data::U8(_) => array(&store, grid, head, data_type::uint8(), (head.fill as u8).into()),
+            Data::I8(_) => array(&store, grid, head, data_type::int8(), (head.fill as i8).into()),
+        };
+        let layers = heads.iter().map(layer).collect::<Tried<_>>()?;
+        let level = |k: usize| {
+            let [width, height] = reduced(grid, 1 << k);
+            let grid = GridSpec { width, height, ..*grid };
+            let head = Layer { name: format!("{OVERVIEW}/{k}"), data: Data::U8(Vec::new()), ..combined.clone() };
+            array(&store, &grid, &head, data_type::uint8(), 0u8.into())
+        };
+        GroupBuilder::new()
+            .attributes(multiscales(grid, combined, levels))
+            .build(store.clone(), &format!("/{OVERVIEW}"))?
+            .store_metadata()?;
+        let overview = (0..levels).map(level).collect::<Tried<_>>()?;
+        Ok(Store { path: path.into(), grid: *grid, store, layers, overview })
+    }
+
+    /// Writes a chunk's part of every layer, a shard each; what is all fill is not stored.
+    pub fn chunk(&self, [row, column]: [u32; 2], part: &Map) -> Result<()> {
+        let at = [u64::from(row), u64::from(column)];
+        let shard = |(array, layer): (&Array<FilesystemStore>, &Layer)| -> Tried<()> {
+            match &layer.data {
+                Data::F32(v) => array.store_chunk(&at, padded(&part.grid, v, layer.fill as f32))?,
+                Data::U32(v) => array.store_chunk(&at, padded(&part.grid, v, layer.fill as u32))?,
+                Data::U8(v) => array.store_chunk(&at, padded(&part.grid, v, layer.fill as u8))?,
+                Data::I8(v) => array.store_chunk(&at, padded(&part.grid, v, layer.fill as i8))?,
+            }
+            Ok(())
+        };
+        let pairs: Vec<_> = self.layers.iter().zip(&part.layers).collect();
+        pairs.into_par_iter().try_for_each(shard).map_err(|e| unwritable(&self.path, e))
+    }
+
+    /// Writes a shard of an overview's level: palette entries, rows from the bottom.
+    pub fn overview(&self, level: usize, [row, column]: [u32; 2], entries: &[u8]) -> Result<()> {
+        let [width, height] = reduced(&self.grid, 1 << level);
+        let size = |all: usize, first: u32| SHARD.min(all - first as usize * SHARD);
+        let grid = GridSpec { width: size(width, column), height: size(height, row), ..self.grid };
+        let at = [u64::from(row), u64::from(column)];
+        self.overview[level].store_chunk(&at, padded(&grid, entries, 0u8)).map_err(|e| unwritable(&self.path, e))
+    }
+
+    /// Writes the store's attributes, the last thing.
+    pub fn close(self, attributes: Object<String, Value>) -> Result<()> {
+        let write = || -> Tried<()> {
+            GroupBuilder::new().attributes(attributes).build(self.store.clone(), "/")?.store_metadata()?;
+            Ok(())
+        };
+        write().map_err(|e| unwritable(&self.path, e))
+    }
+}
+
+/// Group of the combined layer's levels.
+const OVERVIEW: &str = "overview";
+
+/// The levels as OME-NGFF 0.5 describes a multiscale image, and what an entry is.
+fn multiscales(grid: &GridSpec, combined: &Layer, levels: usize) -> Object<String, Value> {
+    let axis = |name: &str| json!({"name": name, "type": "space", "unit": "meter"});
+    let level = |k: usize| {
+        let edge = grid.resolution * f64::from(1u32 << k);
+        json!({"path": k.to_string(), "coordinateTransformations": [
+            {"type": "scale", "scale": [edge, edge]},
+            {"type": "translation", "translation": [grid.y0() + edge / 2.0, grid.x0() + edge / 2.0]},
+        ]})
+    };
+    let levels: Vec<Value> = (0..levels).map(level).collect();
     let all = json!({
-        "method": map.method,
+        "ome": {"version": "0.5", "multiscales": [{
+            "name": combined.name, "axes": [axis("y"), axis("x")], "datasets": levels,
+            "type": "strongest of each block",
+        }]},
+        "long_name": combined.about,
+        "entries": "0: not reached; 1 to 255: -1 (surely empty) to 1 (surely occupied), 128: 0",
+    });
+    match all {
+        Value::Object(object) => object,
+        _ => Object::new(),
+    }
+}
+
+/// The store's own attributes, but for what is known at the end.
+pub(super) fn attributes(grid: &GridSpec, method: &str, heads: &[Layer], info: &RunInfo) -> Object<String, Value> {
+    let GridSpec { anchor, resolution, i0, j0, width, height } = grid;
+    let names: Vec<&str> = heads.iter().map(|l| l.name.as_str()).collect();
+    let all = json!({
+        "method": method,
         "parameters": info.parameters,
         "log_sha256": info.log.sha256,
         "resolution": resolution,
@@ -74,7 +157,6 @@ fn attributes(map: &Map, info: &RunInfo) -> Object<String, Value> {
         "first_cell": [i0, j0],
         "size": [width, height],
         "layers": names,
-        "updates": map.updates,
         "version": env!("CARGO_PKG_VERSION"),
     });
     match all {
@@ -115,47 +197,34 @@ fn write_axis(store: &Arc<FilesystemStore>, name: &str, cells: usize, centre: im
     Ok(())
 }
 
-fn write_layer<T>(
+/// An array of a layer: shards of 1024 × 1024 cells.
+fn array(
     store: &Arc<FilesystemStore>,
     grid: &GridSpec,
-    layer: &Layer,
-    values: &[T],
+    head: &Layer,
     kind: DataType,
-    fill: T,
-) -> Tried<()>
-where
-    T: Element + Copy + Send + Sync,
-    FillValue: From<T>,
-{
+    fill: FillValue,
+) -> Tried<Array<FilesystemStore>> {
     let shape = vec![grid.height as u64, grid.width as u64];
-    let mut builder = ArrayBuilder::new(shape, vec![SHARD as u64; 2], kind, FillValue::from(fill));
+    let mut builder = ArrayBuilder::new(shape, vec![SHARD as u64; 2], kind, fill);
     builder.subchunk_shape(vec![CHUNK as u64; 2]).dimension_names(Some(["y", "x"]));
-    let (scale, ends) = match layer.scale {
+    let (scale, ends) = match head.scale {
         Scale::Grey { low, high } => ("grey", [low, high]),
         Scale::Signed { limit } => ("signed", [-limit, limit]),
     };
     builder.attributes_mut().extend([
-        ("long_name".into(), json!(layer.about)),
+        ("long_name".into(), json!(head.about)),
         ("scale".into(), json!(scale)),
         ("colour_range".into(), json!(ends)),
     ]);
-    let array = finish(&mut builder, store, &layer.name)?;
-    let (down, across) = (grid.height.div_ceil(SHARD), grid.width.div_ceil(SHARD));
-    (0..down * across).into_par_iter().try_for_each(|k| {
-        let (row, column) = (k / across, k % across);
-        let shard = cut(grid, values, row * SHARD, column * SHARD, fill);
-        array.store_chunk(&[row as u64, column as u64], shard)
-    })?;
-    Ok(())
+    finish(&mut builder, store, &head.name)
 }
 
 /// One shard's values; beyond the grid's edge the fill value.
-fn cut<T: Copy>(grid: &GridSpec, values: &[T], row: usize, column: usize, fill: T) -> Vec<T> {
+fn padded<T: Copy>(part: &GridSpec, values: &[T], fill: T) -> Vec<T> {
     let mut shard = vec![fill; SHARD * SHARD];
-    let columns = SHARD.min(grid.width - column);
-    for (line, r) in shard.chunks_exact_mut(SHARD).zip(row..grid.height) {
-        let start = r * grid.width + column;
-        line[..columns].copy_from_slice(&values[start..start + columns]);
+    for (line, row) in shard.chunks_exact_mut(SHARD).zip(values.chunks_exact(part.width)) {
+        line[..part.width].copy_from_slice(row);
     }
     shard
 }

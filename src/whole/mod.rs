@@ -6,9 +6,11 @@
 //! incremental way (`mapper`). Reading and binning, the kernels, and what is done with a finished chunk overlap.
 
 mod bins;
+mod map;
 mod rounds;
 
 pub use bins::{Bins, Place};
+pub use map::{Plan, Progress, map};
 pub use rounds::{Chunk, Run};
 
 use crate::grid::GridSpec;

@@ -1,0 +1,137 @@
+//! A log to a map's files, chunk by chunk: what is done first, with how much memory, and what a resumed run needn't do again.
+
+use super::{Run, places};
+use crate::kernels::Backend;
+use crate::memory::{self, show};
+use crate::output::MapWriter;
+use crate::reading::Counts;
+use crate::session::Session;
+use crate::{Error, Result};
+use sha2::{Digest, Sha256};
+use std::path::Path;
+use std::time::Instant;
+
+/// How a run is to be done, checked before it starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plan {
+    /// Readings at a time.
+    pub batch: usize,
+    /// What the run takes, bytes, apart from the binned readings.
+    pub needed: u64,
+    /// What the binned readings may take, bytes, before they are spilled.
+    pub bins: u64,
+    /// Cells of the grid.
+    cells: u64,
+}
+
+/// Hears of a stage and how many readings it goes over; what it gives hears of readings as they are done.
+pub type Progress<'a> = &'a dyn Fn(&'static str, u64) -> Box<dyn Fn(u64)>;
+
+/// Memory that a run leaves alone where no cap is given, as a share: others want some too.
+const SPARE: u64 = 4;
+
+impl Plan {
+    /// The plan for a log under a cap, bytes; `batch`: readings at a time at most.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where the cap, or the machine, has too little.
+    pub fn of(session: &Session, batch: usize, cap: Option<u64>) -> Result<Plan> {
+        let free = memory::available().map(|free| free - free / SPARE);
+        let limit = [cap, free].into_iter().flatten().min().unwrap_or(4 << 30);
+        let (grid, method, used) = (&session.grid, session.method.as_ref(), session.survey.counts.used);
+        let batch = memory::whole_batch(batch, limit);
+        let needed = memory::whole(grid, method, batch, used);
+        session.check_memory(needed, cap)?;
+        Ok(Plan { batch, needed, bins: limit.saturating_sub(needed) / 2, cells: grid.cells() as u64 })
+    }
+
+    /// Fails where the map's files, without what is compressed, don't fit into a folder.
+    pub fn check_space(&self, folder: &Path, npy: bool) -> Result<()> {
+        // map.pgm and the overview; six layers of four bytes at most
+        let needed = self.cells + self.cells / 3 + if npy { 24 * self.cells } else { 0 };
+        match memory::space(folder) {
+            Some(free) if needed > free => Err(Error::Resources(format!(
+                "the files of a map of {} cells take {} and more, but {} has {} free: give smaller --bounds, a coarser \
+                 --resolution or another folder with -o",
+                self.cells,
+                show(needed),
+                folder.parent().unwrap_or(folder).display(),
+                show(free)
+            ))),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What the rounds before the last have found, kept in the map's partial folder.
+const FOUND: &str = "found.bin";
+
+/// Maps a log into an open map; returns what became of its readings and the seconds of each stage. Spilled readings and
+/// what a resumed run needs lie in `folder`.
+///
+/// # Errors
+/// The log's; [`Error::Resources`] where something can't be written; the backend's.
+pub fn map(
+    session: &Session,
+    backend: &mut dyn Backend,
+    plan: &Plan,
+    folder: &Path,
+    progress: Progress,
+    writer: &mut MapWriter,
+) -> Result<(Counts, Vec<(String, f64)>)> {
+    let (mut seconds, mut clock) = (Vec::new(), Instant::now());
+    let mut lap = |stage: &str| {
+        seconds.push((stage.to_string(), clock.elapsed().as_secs_f64()));
+        clock = Instant::now();
+    };
+    let used = session.survey.counts.used;
+    let mut run = Run::begin(session, plan.batch, folder, plan.bins, &*progress("bin", used))?;
+    lap("bin");
+    let rounds = session.method.rounds().unwrap_or_default();
+    let binned: u64 = run.places().iter().map(|p| p.1).sum();
+    let found = folder.join(FOUND);
+    if let [before @ .., _] = rounds
+        && !before.is_empty()
+    {
+        match recall(&found, run.found().len()) {
+            Some(words) => *run.found() = words,
+            None => {
+                let traversals = before.iter().map(|r| r.len() as u64).sum::<u64>();
+                run.gather(backend, &*progress("gather", binned * traversals))?;
+                keep(&found, run.found())?;
+            }
+        }
+        lap("gather");
+    }
+    let done = writer.done();
+    let rest = run.places().iter().filter(|p| !done.contains(&p.0)).map(|p| p.1).sum::<u64>();
+    let traversals = rounds.last().map_or(1, |r| r.len() as u64);
+    let bar = progress("map", rest * traversals);
+    run.finish(backend, &done, &*bar, &mut |chunk| {
+        let crate::mapper::Finished { map, combined, .. } = &chunk.finished;
+        writer.chunk(chunk.place, map, combined)
+    })?;
+    lap("map");
+    let _ = std::fs::remove_file(&found);
+    debug_assert!(places(&session.grid).count() >= writer.done().len());
+    let Counts { outside, empty_arc, wide, .. } = run.counts;
+    Ok((Counts { outside, empty_arc, wide, ..session.survey.counts }, seconds))
+}
+
+/// Keeps what was found, with a checksum, whole or not at all.
+fn keep(path: &Path, found: &[u32]) -> Result<()> {
+    let full =
+        |e: std::io::Error| Error::Resources(format!("{} can't be written: {e}; free space there", path.display()));
+    let bytes: &[u8] = bytemuck::cast_slice(found);
+    let partial = path.with_extension("partial");
+    std::fs::write(&partial, [&Sha256::digest(bytes)[..], bytes].concat()).map_err(full)?;
+    std::fs::rename(&partial, path).map_err(full)
+}
+
+/// What an earlier run found for so many readings, if it is whole.
+fn recall(path: &Path, readings: usize) -> Option<Vec<u32>> {
+    let kept = std::fs::read(path).ok()?;
+    let (sum, bytes) = kept.split_at_checked(32)?;
+    let whole = bytes.len() == 4 * readings && Sha256::digest(bytes)[..] == *sum;
+    whole.then(|| bytemuck::pod_collect_to_vec(bytes))
+}
