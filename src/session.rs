@@ -118,7 +118,12 @@ impl Session {
     /// Fails where a run needs more than the cap, or than the machine has; names the pose that made the grid so large.
     pub fn check_memory(&self, needed: u64, cap: Option<u64>) -> Result<()> {
         let checked = memory::check(needed, cap, &self.grid, "give smaller --bounds or a coarser --resolution");
-        if self.bounded { checked } else { checked.map_err(|e| self.survey.explain(e, self.log.path())) }
+        checked.map_err(|e| self.explain(e))
+    }
+
+    /// An error about a grid that is too large, with the pose that made it so, if it follows the poses.
+    pub fn explain(&self, error: Error) -> Error {
+        if self.bounded { error } else { self.survey.explain(error, self.log.path()) }
     }
 
     /// The readings to map, in log order, bad lines and unused records left out.

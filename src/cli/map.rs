@@ -55,7 +55,6 @@ impl Map {
         let surveyed = started.elapsed().as_secs_f64();
         warn_of_bad_lines(&session);
         self.check_working(&session)?;
-        warn_of_jump(&self.log, &session);
         let whole = session.method.rounds().is_some() && self.backend.choice().is_some();
         if !whole || self.working.is_some() {
             session.check_memory(session.memory(self.log.batch), self.memory)?;
@@ -91,7 +90,8 @@ impl Map {
         seconds: Vec<(String, f64)>,
     ) -> Result<(Folder, Report, Counts, Ran)> {
         let plan = whole::Plan::of(session, self.log.batch, self.memory)?;
-        plan.check_space(folder.path(), self.npy)?;
+        plan.check_space(session, folder.path(), self.npy)?;
+        warn_of_jump(&self.log, session);
         let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
         let ran = Ran::of(&chosen);
         let info = run_info(session, &ran, Counts::default(), seconds)?;
@@ -131,6 +131,7 @@ impl Map {
         choice: Option<crate::kernels::Choice>,
         mut seconds: Vec<(String, f64)>,
     ) -> Result<(Folder, Report, Counts, Ran)> {
+        warn_of_jump(&self.log, session);
         let started = Instant::now();
         let name = method::name(session.method.as_ref());
         let (mapped, ran) = match choice {

@@ -2,6 +2,7 @@
 //! 5 out of memory or space, or output not writable · 6 done, but some lines were bad.
 
 mod bench;
+mod check;
 mod common;
 mod compare;
 mod demo;
@@ -58,6 +59,8 @@ enum Command {
     Compare(compare::Compare),
     /// Score maps against the truth, side by side; exit code 1 if a --require does not hold
     Score(score::Command),
+    /// Read a stored map through: checksums, and sums against its report; exit code 1 if it is damaged
+    Check(check::Command),
     /// Say what mapping a log would take, without doing it
     Plan(plan::Plan),
     /// Simulate a world: a log of what its sonars and lasers would report
@@ -84,6 +87,7 @@ impl Arguments {
             Command::Verify(c) => c.run(),
             Command::Compare(c) => c.run(),
             Command::Score(c) => c.run(),
+            Command::Check(c) => c.run(),
             Command::Plan(c) => c.run(),
             Command::Simulate(c) => c.run(),
             Command::Truth(c) => c.run(),

@@ -2,62 +2,151 @@
 
 use super::common::{LogArguments, bar, count, done, parameters, warn_of_bad_lines, warn_of_jump};
 use super::say;
-use crate::Result;
-use crate::kernels::dry::Dry;
+use crate::kernels::{Choice, choose};
 use crate::memory::{self, show};
-use crate::method::{self, Step};
-use crate::output::tidy;
+use crate::method::{self, Step, Steps};
+use crate::output::{LogInfo, MapWriter, Outline, RunInfo, head, tidy};
+use crate::session::Session;
+use crate::whole::{self, Chunk, Place, Run};
+use crate::{Error, Result};
+use serde::Serialize;
+use serde_json::json;
+use std::time::Instant;
+
+/// How long a backend is tried, seconds.
+const TRY: f64 = 1.0;
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
 pub struct Plan {
     #[command(flatten)]
     log: LogArguments,
+    /// Memory that the run may use, such as 4GiB [default: what the machine has free]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    memory: Option<u64>,
     /// Print the plan as JSON
     #[arg(long)]
     json: bool,
 }
 
+/// What a backend would take.
+#[derive(Debug, Serialize)]
+struct Expected {
+    backend: &'static str,
+    adapter: String,
+    /// Readings a second on the busiest chunk, binning included.
+    readings_per_second: f64,
+    /// Seconds to write a chunk like it.
+    chunk_seconds: f64,
+    /// Seconds of the whole run.
+    seconds: f64,
+}
+
 impl Plan {
-    /// Reads and bins the log, and says what it came to.
+    /// Reads and bins the log, tries each backend for a second, and says what a run would come to.
     pub fn run(self) -> Result<u8> {
+        let started = Instant::now();
         let session = self.log.session()?;
+        let surveyed = started.elapsed().as_secs_f64();
         warn_of_bad_lines(&session);
         warn_of_jump(&self.log, &session);
-        let mut dry = Dry::default();
-        let method = session.method.as_ref();
-        let mut mapper = crate::mapper::Mapper::new(session.grid, session.sensors(), method, &mut dry, self.log.batch);
+        let Some(rounds) = session.method.rounds() else { return self.resident(&session) };
+        let started = Instant::now();
+        let folder = std::env::temp_dir();
+        let plan = whole::Plan::of(&session, self.log.batch, self.memory);
+        let fit = plan.as_ref().map_err(Error::to_string).and_then(|p| {
+            p.check_space(&session, &std::env::current_dir().unwrap_or_default(), false).map_err(|e| e.to_string())
+        });
+        let (batch, bins) = plan.as_ref().map_or((1 << 14, 1 << 28), |p| (p.batch, p.bins));
         let bar = bar(session.survey.counts.used, "plan", self.json);
-        mapper.sweep(0, session.items()?.inspect(|_| bar.inc(1)))?;
+        let run = Run::begin(&session, batch, &folder, bins, &|n| bar.inc(n))?;
         drop(bar);
-        let work = mapper.work;
-        let (grid, counts) = (&session.grid, &session.survey.counts);
-        let need = session.memory(self.log.batch);
-        let fit = session.check_memory(need, None);
-        let steps: Vec<Vec<String>> =
-            method.sweeps().iter().map(|sweep| sweep.iter().map(|s| step_name(s).to_string()).collect()).collect();
-        let busiest = dry.chunks.iter().max_by_key(|(_, load)| load.entries);
-        if self.json {
-            let chunks: Vec<_> = dry.chunks.iter().map(|(at, load)| serde_json::json!({"row": at[0], "column": at[1], "entries": load.entries, "tiles": load.tiles})).collect();
-            let plan = serde_json::json!({
-                "method": method::name(method),
-                "format": session.log.header().format,
-                "parameters": parameters(&session).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
-                "readings": counts,
-                "scans": session.survey.scans,
-                "bad_lines": session.survey.bad_lines.count,
-                "cells": {"x0": tidy(grid.x0()), "y0": tidy(grid.y0()), "resolution": grid.resolution, "width": grid.width, "height": grid.height},
-                "chunks": chunks,
-                "batches": work.batches,
-                "entries": work.entries,
-                "sweeps": steps,
-                "memory": need,
-                "fits": fit.is_ok(),
-                "available": memory::available(),
+        let before = surveyed + started.elapsed().as_secs_f64();
+        let places = run.places();
+        let binned: u64 = places.iter().map(|p| p.1).sum();
+        let passes = binned * rounds.iter().map(|r| r.len() as u64).sum::<u64>();
+        let mut expected = Vec::new();
+        for choice in [Choice::Gpu, Choice::Cpu] {
+            let Ok(mut chosen) = choose(choice, session.method.as_ref(), self.log.threads) else { continue };
+            let (readings, seconds, chunk) = run.calibrate(chosen.backend.as_mut(), TRY)?;
+            let chunk_seconds = chunk.map_or(Ok(0.0), |chunk| write(&session, &chunk))?;
+            let rate = readings as f64 / seconds.max(1e-9);
+            expected.push(Expected {
+                backend: chosen.backend.name(),
+                adapter: chosen.backend.adapter(),
+                readings_per_second: rate,
+                chunk_seconds,
+                seconds: before + passes as f64 / rate.max(1.0) + places.len() as f64 * chunk_seconds,
             });
-            say!("{}", serde_json::to_string_pretty(&plan).unwrap_or_default());
-            return Ok(done(&session));
         }
+        let shown = Shown { rounds: rounds.iter().map(|r| round(r)).collect(), places, binned, expected, batch };
+        let need = plan.as_ref().map_or(0, |p| p.needed);
+        let disk = plan.as_ref().map_or(0, |p| p.disk);
+        match self.json {
+            true => self.print_json(&session, &shown, need, disk, run.spilled(), &fit),
+            false => self.print(&session, &shown, need, disk, run.spilled(), &fit),
+        }
+        Ok(done(&session))
+    }
+
+    /// A method whose chunks must be resident together.
+    fn resident(&self, session: &Session) -> Result<u8> {
+        let need = session.memory(self.log.batch);
+        let fit = session.check_memory(need, self.memory).map_err(|e| e.to_string());
+        let steps: Vec<String> = session.method.sweeps().iter().map(|s| names(s)).collect();
+        let shown = Shown { rounds: steps, places: Vec::new(), binned: 0, expected: Vec::new(), batch: self.log.batch };
+        match self.json {
+            true => self.print_json(session, &shown, need, 0, 0, &fit),
+            false => self.print(session, &shown, need, 0, 0, &fit),
+        }
+        Ok(done(session))
+    }
+
+    fn print_json(
+        &self,
+        session: &Session,
+        shown: &Shown,
+        need: u64,
+        disk: u64,
+        spilled: u64,
+        fit: &std::result::Result<(), String>,
+    ) {
+        let grid = &session.grid;
+        let chunk =
+            |([row, column], readings): &(Place, u64)| json!({"row": row, "column": column, "readings": readings});
+        let plan = json!({
+            "method": method::name(session.method.as_ref()),
+            "format": session.log.header().format,
+            "parameters": parameters(session).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
+            "readings": session.survey.counts,
+            "scans": session.survey.scans,
+            "bad_lines": session.survey.bad_lines.count,
+            "cells": {"x0": tidy(grid.x0()), "y0": tidy(grid.y0()), "resolution": grid.resolution, "width": grid.width, "height": grid.height},
+            "chunks": shown.places.iter().map(chunk).collect::<Vec<_>>(),
+            "binned": shown.binned,
+            "spilled": spilled,
+            "batch": shown.batch,
+            "rounds": shown.rounds,
+            "memory": need,
+            "disk": disk,
+            "fits": fit.is_ok(),
+            "why_not": fit.as_ref().err(),
+            "available": memory::available(),
+            "expected": shown.expected,
+        });
+        say!("{}", serde_json::to_string_pretty(&plan).unwrap_or_default());
+    }
+
+    fn print(
+        &self,
+        session: &Session,
+        shown: &Shown,
+        need: u64,
+        disk: u64,
+        spilled: u64,
+        fit: &std::result::Result<(), String>,
+    ) {
+        let (grid, counts) = (&session.grid, &session.survey.counts);
         say!("log       {}, {}", session.log.header().format, count(session.sensors().len() as u64, "sensor"));
         say!(
             "readings  {} used of {} in {}, {}, {}",
@@ -77,38 +166,75 @@ impl Plan {
             grid.x0() + grid.width as f64 * grid.resolution,
             grid.y0() + grid.height as f64 * grid.resolution
         );
-        say!(
-            "chunks    {} reached; {} pairs of reading and tile in {} batches",
-            dry.chunks.len(),
-            work.entries,
-            work.batches
-        );
-        if let Some((at, load)) = busiest {
+        if let Some(([row, column], most)) = shown.places.iter().max_by_key(|p| p.1) {
             say!(
-                "          the busiest, column {} row {}, has {} pairs in {} tiles",
-                at[1],
-                at[0],
-                load.entries,
-                load.tiles
+                "chunks    {} of {} reached, {} readings in them, {} at a time; {} spilled",
+                shown.places.len(),
+                whole::places(grid).count(),
+                shown.binned,
+                shown.batch,
+                show(spilled)
             );
+            say!("          the busiest, column {column} row {row}, has {most}");
         }
-        for (k, sweep) in steps.iter().enumerate() {
-            say!("sweep {}   {}", k + 1, sweep.join(", then "));
+        for (k, steps) in shown.rounds.iter().enumerate() {
+            say!("round {}   {steps}", k + 1);
         }
         let free = memory::available().map(|f| format!(", of {} free", show(f))).unwrap_or_default();
         say!("memory    about {}{free}", show(need));
+        if disk > 0 {
+            say!("disk      {} and the compressed layers", show(disk));
+        }
+        for e in &shown.expected {
+            say!(
+                "{:<9} about {:.1} s: {:.0} k readings/s, {:.3} s to write a chunk ({})",
+                e.backend,
+                e.seconds,
+                e.readings_per_second / 1e3,
+                e.chunk_seconds,
+                e.adapter
+            );
+        }
         if let Err(e) = fit {
             say!("does not fit: {e}");
         }
-        for (key, value) in parameters(&session) {
+        for (key, value) in parameters(session) {
             say!("  {key} = {value}");
         }
-        Ok(done(&session))
     }
 }
 
-fn step_name(step: &Step) -> &'static str {
-    match step {
+/// What both kinds of output show.
+struct Shown {
+    rounds: Vec<String>,
+    places: Vec<(Place, u64)>,
+    binned: u64,
+    expected: Vec<Expected>,
+    batch: usize,
+}
+
+/// Seconds to write a chunk.
+fn write(session: &Session, chunk: &Chunk) -> Result<f64> {
+    let folder = tempfile::tempdir().map_err(|e| Error::Resources(format!("no temporary folder: {e}")))?;
+    let map = &chunk.finished.map;
+    let heads = map.layers.iter().map(head).collect();
+    let method = method::name(session.method.as_ref()).to_string();
+    let combined = head(&chunk.finished.combined);
+    let outline = Outline { grid: map.grid, method, heads, combined, npy: false };
+    let info = RunInfo { log: LogInfo::default(), ..RunInfo::default() };
+    let mut writer = MapWriter::open(folder.path(), outline, &info, false)?;
+    let started = Instant::now();
+    writer.chunk([0, 0], map, &chunk.finished.combined)?;
+    Ok(started.elapsed().as_secs_f64())
+}
+
+/// A round's passes.
+fn round(traversals: &[Steps]) -> String {
+    traversals.iter().map(|steps| names(steps)).collect::<Vec<_>>().join("; again ")
+}
+
+fn names(steps: &[Step]) -> String {
+    let name = |step: &Step| match step {
         Step::Pass(method::Pass::Weigh, _) => "weigh",
         Step::Pass(method::Pass::Count, _) => "count",
         Step::Pass(method::Pass::Fuse, _) => "fuse",
@@ -116,5 +242,6 @@ fn step_name(step: &Step) -> &'static str {
         Step::Share => "share",
         Step::Hand => "hand over",
         Step::Tally => "tally",
-    }
+    };
+    steps.iter().map(name).collect::<Vec<_>>().join(", then ")
 }

@@ -20,6 +20,8 @@ pub struct Folder {
     partial: PathBuf,
     /// Held open for its lock: a second run on the same folder sees it.
     marker: Option<File>,
+    /// Whether an earlier run's work lies in the partial folder: no error removes it.
+    resumed: bool,
     /// Folders above it that were made for it, the innermost first.
     made: Vec<PathBuf>,
 }
@@ -39,11 +41,12 @@ impl Folder {
             return Err(unusable(path, &format!("{} is a file", file.display())));
         }
         let made: Vec<PathBuf> = parent.ancestors().take_while(|a| !a.exists()).map(PathBuf::from).collect();
-        let mut folder = Folder { partial: beside(&target, ".partial"), target, marker: None, made };
+        let mut folder = Folder { partial: beside(&target, ".partial"), target, marker: None, resumed: false, made };
         fs::create_dir_all(&parent).map_err(|e| unusable(path, &format!("its parent can't be made: {e}")))?;
         recover(&folder.target)?;
         check_target(&folder.target)?;
         folder.marker = Some(open_partial(&folder.partial, resume)?);
+        folder.resumed = folder.partial.join(RUN).exists();
         Ok(folder)
     }
 
@@ -94,7 +97,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        if self.marker.take().is_some() {
+        if self.marker.take().is_some() && !self.resumed {
             let _ = remove(&self.partial);
         }
         // What holds a map or anything else stays: only empty folders can be removed so.

@@ -1,6 +1,7 @@
 //! Writing a finished map: a folder with a Zarr store, pictures, a map for ROS 2, and a report. One format a file; each
 //! writes into the folder it is given, and [`Folder`] alone decides when that folder becomes the user's.
 
+mod check;
 mod folder;
 mod npy;
 mod png;
@@ -11,6 +12,7 @@ mod working;
 mod writer;
 mod zarr;
 
+pub use check::{Checked, check};
 pub use folder::Folder;
 pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
@@ -23,7 +25,6 @@ use crate::grid::{Layer, Map};
 use crate::whole::{part, places};
 use crate::{Error, Result};
 use std::path::Path;
-use std::time::Instant;
 
 /// Writes every file of a map into an open folder, the report last, and returns that report. The folder becomes the
 /// user's with [`Folder::finish`].
@@ -31,8 +32,7 @@ use std::time::Instant;
 /// `npy` adds one `.npy` file a layer.
 /// `combined` is drawn as `map.png`.
 pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, npy: bool) -> Result<Report> {
-    let start = Instant::now();
-    check(map)?;
+    writable(map)?;
     let heads = map.layers.iter().map(head).collect();
     let outline = Outline { grid: map.grid, method: map.method.clone(), heads, combined: head(combined), npy };
     let mut writer = MapWriter::open(folder.path(), outline, info, false)?;
@@ -44,13 +44,11 @@ pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, n
         writer.chunk(at, &part, &cut(&map.grid, combined, at))?;
         updates = 0;
     }
-    let mut info = info.clone();
-    info.seconds.push(("write".into(), start.elapsed().as_secs_f64()));
-    writer.finish(&info)
+    writer.finish(info)
 }
 
 /// What every writer relies on: layers of the grid's size, names that are file names, the two layers of every map.
-fn check(map: &Map) -> Result<()> {
+fn writable(map: &Map) -> Result<()> {
     let wrong = |what: String| Err(Error::Usage(format!("the map can't be written: {what}")));
     for layer in &map.layers {
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';

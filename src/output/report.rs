@@ -181,6 +181,11 @@ impl Tally {
         }
     }
 
+    /// Sum, least and largest value of its first layer.
+    pub fn first_layer(&self) -> [f64; 3] {
+        self.layers.first().map_or([0.0; 3], |l| l.map(|b| f64::from_bits(b.0)))
+    }
+
     /// Of a part that nothing reached.
     pub fn unreached(heads: &[Layer], cells: usize) -> Tally {
         let layer = |l: &Layer| [l.fill * cells as f64, l.fill, l.fill].map(|v| Bits(v.to_bits()));

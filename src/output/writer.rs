@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// What a run is, and the chunks that it has finished; both go when the map is whole.
 pub(super) const RUN: &str = "run.json";
@@ -162,6 +163,7 @@ impl MapWriter {
 
     /// Writes what remains: what no reading reached, the overview, the pictures, the attributes, the report.
     pub fn finish(mut self, info: &RunInfo) -> Result<Report> {
+        let started = Instant::now();
         let outline = &self.outline;
         for at in places(&outline.grid).filter(|at| !self.done.contains_key(at)) {
             let grid = part(&outline.grid, at);
@@ -202,6 +204,7 @@ impl MapWriter {
             let path = self.place.join(name);
             std::fs::remove_file(&path).map_err(|e| unwritable(&path, e))?;
         }
+        report.seconds.push(("write".into(), started.elapsed().as_secs_f64()));
         report.peak_memory = report::peak_memory();
         report::write(&self.place.join("report.json"), &report)?;
         Ok(report)
@@ -241,9 +244,11 @@ fn save(raster: &Raster, path: &Path, head: &Layer) -> Result<()> {
 
 /// Refuses to go on with another run's chunks.
 fn same_run(place: &Path, before: &Value, now: &Value) -> Result<()> {
+    // what the user chose first: the rest follows from it
+    let first = ["method", "parameters", "log_sha256"].map(String::from);
     let keys = now.as_object().into_iter().chain(before.as_object()).flat_map(|o| o.keys());
     let differs = |key: &&String| before.get(key.as_str()) != now.get(key.as_str());
-    let Some(key) = keys.into_iter().find(differs) else { return Ok(()) };
+    let Some(key) = first.iter().chain(keys).find(differs) else { return Ok(()) };
     let of = |v: &Value| v.get(key).map_or("nothing".into(), |v| v.to_string());
     let (mut was, mut is) = (of(before), of(now));
     let mut name = key.clone();

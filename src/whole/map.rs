@@ -1,6 +1,7 @@
 //! A log to a map's files, chunk by chunk: what is done first, with how much memory, and what a resumed run needn't do again.
 
 use super::{Run, places};
+use crate::grid::GridSpec;
 use crate::kernels::Backend;
 use crate::memory::{self, show};
 use crate::output::MapWriter;
@@ -20,8 +21,8 @@ pub struct Plan {
     pub needed: u64,
     /// What the binned readings may take, bytes, before they are spilled.
     pub bins: u64,
-    /// Cells of the grid.
-    cells: u64,
+    /// What its files take on disk, bytes, without what is compressed.
+    pub disk: u64,
 }
 
 /// Hears of a stage and how many readings it goes over; what it gives hears of readings as they are done.
@@ -42,22 +43,23 @@ impl Plan {
         let batch = memory::whole_batch(batch, limit);
         let needed = memory::whole(grid, method, batch, used);
         session.check_memory(needed, cap)?;
-        Ok(Plan { batch, needed, bins: limit.saturating_sub(needed) / 2, cells: grid.cells() as u64 })
+        // map.pgm, and the levels of the overview
+        let disk = grid.cells() as u64 + grid.cells() as u64 / 3;
+        Ok(Plan { batch, needed, bins: limit.saturating_sub(needed) / 2, disk })
     }
 
-    /// Fails where the map's files, without what is compressed, don't fit into a folder.
-    pub fn check_space(&self, folder: &Path, npy: bool) -> Result<()> {
-        // map.pgm and the overview; six layers of four bytes at most
-        let needed = self.cells + self.cells / 3 + if npy { 24 * self.cells } else { 0 };
+    /// Fails where the map's files don't fit into a folder; `npy`: every layer is written as an array, too.
+    pub fn check_space(&self, session: &Session, folder: &Path, npy: bool) -> Result<()> {
+        let GridSpec { width, height, resolution, .. } = session.grid;
+        let arrays = 4 * session.method.layers().len() as u64 + 2;
+        let needed = self.disk + if npy { arrays * session.grid.cells() as u64 } else { 0 };
         match memory::space(folder) {
-            Some(free) if needed > free => Err(Error::Resources(format!(
-                "the files of a map of {} cells take {} and more, but {} has {} free: give smaller --bounds, a coarser \
-                 --resolution or another folder with -o",
-                self.cells,
+            Some(free) if needed > free => Err(session.explain(Error::Resources(format!(
+                "the files of a map of {width} × {height} cells of {resolution} m take {} and more, but there are {} free: \
+                 give smaller --bounds or a coarser --resolution",
                 show(needed),
-                folder.parent().unwrap_or(folder).display(),
                 show(free)
-            ))),
+            )))),
             _ => Ok(()),
         }
     }

@@ -127,6 +127,33 @@ impl<'a> Run<'a> {
         &mut self.found
     }
 
+    /// Tries a backend on the busiest chunk for about so many seconds: how many of its readings were gone over, in what
+    /// time, and what the chunk came to.
+    pub fn calibrate(&self, backend: &mut dyn Backend, seconds: f64) -> Result<(u64, f64, Option<Chunk>)> {
+        let Some((place, count)) = self.places().into_iter().max_by_key(|p| p.1) else { return Ok((0, 0.0, None)) };
+        let rounds = self.method.rounds().unwrap_or_default();
+        let last = rounds.last().copied().unwrap_or_default();
+        let (started, mut done, mut failed) = (std::time::Instant::now(), 0, None);
+        self.read_ahead(place, count, &last[..last.len().min(1)], backend.limits(), &mut |ready| {
+            let mut share: Shares = vec![[1, 0, 0, 0]; ready.numbers.len()];
+            let frame = frame(&self.session.grid, self.method);
+            failed = backend.apply(self.method, frame, &ready.batch, ready.steps, &mut share).err();
+            done += ready.numbers.len() as u64;
+            failed.is_none() && started.elapsed().as_secs_f64() < seconds
+        })?;
+        if let Some(e) = failed {
+            return Err(e);
+        }
+        backend.wait()?;
+        let taken = started.elapsed().as_secs_f64();
+        let grid = part(&self.session.grid, place);
+        let chunk = backend.take(place)?.map(|words| {
+            let finished = layers::from_chunks(&grid, self.method, &[([0, 0], words)].into());
+            Chunk { place: [0, 0], finished }
+        });
+        Ok((done, taken, chunk))
+    }
+
     /// The rounds before the last: each reading's sum, or count, over all chunks.
     pub fn gather(&mut self, backend: &mut dyn Backend, progress: &dyn Fn(u64)) -> Result<()> {
         let rounds = self.method.rounds().unwrap_or_default();

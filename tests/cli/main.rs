@@ -11,5 +11,6 @@ mod help;
 mod map;
 mod outputs;
 mod repeat;
+mod resume;
 mod tools;
 mod worlds;

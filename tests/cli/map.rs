@@ -61,7 +61,7 @@ fn the_report_holds_all_that_the_documentation_lists() {
     for layer in ["log_odds", "p_occ", "p_emp", "touched", "class"] {
         assert_eq!(keys(&report["layers"][layer]), ["max", "min", "scale", "sum"], "{layer}");
     }
-    assert_eq!(keys(&report["seconds"]), ["map", "survey", "write"]);
+    assert_eq!(keys(&report["seconds"]), ["bin", "map", "survey", "write"]);
     assert_eq!(report["backend"], "cpu");
     assert!(report["adapter"].as_str().unwrap().contains("thread"));
     assert_eq!(report["version"], env!("CARGO_PKG_VERSION"));

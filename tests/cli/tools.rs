@@ -117,8 +117,10 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     let place = Place::new();
     let before = place.names("");
     let ran = place.does(&["plan", "log.jsonl"]);
-    let heads: Vec<&str> = ran.out.lines().map(|l| l.split("  ").next().unwrap()).take(7).collect();
-    assert_eq!(heads, ["log", "readings", "grid", "chunks", "", "sweep 1", "memory"]);
+    let heads: Vec<&str> = ran.out.lines().map(|l| l.split("  ").next().unwrap()).take(8).collect();
+    assert_eq!(heads, ["log", "readings", "grid", "chunks", "", "round 1", "memory", "disk"]);
+    let cpu = ran.out.lines().find(|l| l.starts_with("cpu       about ")).unwrap();
+    assert!(cpu.contains(" k readings/s, ") && cpu.contains(" s to write a chunk ("), "{cpu}");
     for line in [
         "log       echogrid-jsonl, 1 sensor",
         "readings  4 used of 8 in 4 scans, 0 bad lines, 0 other lines",
@@ -136,8 +138,15 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     assert_eq!((&plan["cells"]["width"], &plan["readings"]["used"]), (&json!(82), &json!(4)));
     assert_eq!((&plan["parameters"]["r_max"], &plan["parameters"]["max_occ"]), (&json!("4"), &json!("0.98")));
     assert_eq!((&plan["chunks"][0]["row"], &plan["chunks"][0]["column"]), (&json!(0), &json!(0)));
-    assert_eq!(plan["chunks"][0]["entries"], plan["entries"]);
-    assert_eq!(plan["fits"], true);
+    assert_eq!((&plan["chunks"][0]["readings"], &plan["binned"]), (&json!(4), &json!(4)));
+    assert_eq!((&plan["fits"], &plan["rounds"]), (&json!(true), &json!(["fuse"])));
+    let cpu = plan["expected"].as_array().unwrap().iter().find(|e| e["backend"] == "cpu").unwrap();
+    assert!(cpu["readings_per_second"].as_f64().unwrap() > 1.0 && cpu["seconds"].as_f64().unwrap() < 60.0, "{cpu}");
+    let plan_of = |method: &str| place.does(&["plan", "log.jsonl", "-m", method, "--json"]).json()["rounds"].clone();
+    assert_eq!(plan_of("certainty"), json!(["weigh, then sum, then hand over, then fuse", "fuse"]));
+    assert_eq!(plan_of("dempster-shafer"), json!(["count, then tally", "fuse"]));
+    let gro = place.does(&["plan", "log.jsonl", "-m", "himm", "--set", "gro=true", "--json"]).json();
+    assert_eq!((&gro["fits"], &gro["rounds"]), (&json!(true), &json!(["fuse"])));
     assert!(ran.out.lines().any(|l| l.starts_with("memory    about ")), "{}", ran.out);
     assert!(!ran.out.contains("does not fit"), "{}", ran.out);
     // What is too large for the machine is said, and is no error here.
@@ -145,13 +154,15 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     {
         let large = ["plan", "log.jsonl", "--bounds", "0,0,300000,300000"];
         let ran = place.does(&large);
-        let why = ran.out.lines().find(|l| l.starts_with("does not fit: a map of 6000000 × 6000000 cells")).unwrap();
-        assert!(why.contains(" TiB, but this machine has "), "{why}");
+        let why =
+            ran.out.lines().find(|l| l.starts_with("does not fit: the files of a map of 6000000 × 6000000 cells"));
+        assert!(why.is_some_and(|w| w.contains(" take 44 TiB and more, but there are ")), "{}", ran.out);
         assert_eq!(place.does(&[&large[..], &["--json"]].concat()).json()["fits"], false);
     }
     // The plan's figure is the one that --memory is held against.
     let need = plan["memory"].as_u64().unwrap();
     let map = |memory: u64| place.run(&["map", "log.jsonl", "-o", "out", "--memory", &memory.to_string()]).code;
+    // A smaller cap makes smaller batches, down to a thousand readings; there are four.
     assert_eq!((map(need - 1), place.names("") == before, map(need)), (5, true, 0));
 }
 

@@ -1,0 +1,47 @@
+//! `echogrid check`.
+
+use super::{note, say};
+use crate::Result;
+use crate::memory::show;
+use crate::output::check;
+use indicatif::ProgressBar;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `check`.
+#[derive(Debug, clap::Args)]
+pub struct Command {
+    /// The map's folder
+    map: PathBuf,
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Command {
+    /// Reads a stored map through; 1 if it is damaged.
+    pub fn run(self) -> Result<u8> {
+        let bar = if self.json { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+        let found = check(&self.map, &|| bar.tick())?;
+        bar.finish_and_clear();
+        let whole = found.problems.is_empty();
+        if self.json {
+            let all = json!({
+                "layers": found.layers, "shards": found.shards, "bytes": found.bytes, "whole": whole, "problems": found.problems,
+            });
+            say!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
+        } else {
+            say!(
+                "{} layers, {} shards, {}: {}",
+                found.layers,
+                found.shards,
+                show(found.bytes),
+                if whole { "whole" } else { "damaged" }
+            );
+        }
+        for problem in &found.problems {
+            note!("{}: {problem}", self.map.display());
+        }
+        Ok(u8::from(!whole))
+    }
+}

@@ -1,0 +1,79 @@
+//! Whether a stored map is whole: every shard is read, which tests its checksums, and what the layers come to is held
+//! against the report.
+
+use super::zarr::{Reader, Tried};
+use super::{folder, report};
+use crate::grid::Map;
+use crate::whole::places;
+use crate::{Error, Result};
+use serde_json::Value;
+use std::path::Path;
+
+/// What a check found.
+#[derive(Debug, Clone, Default)]
+pub struct Checked {
+    /// Layers read, and shards that are stored.
+    pub layers: usize,
+    /// Shards that are stored.
+    pub shards: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// What is wrong; nothing, if the map is whole.
+    pub problems: Vec<String>,
+}
+
+/// Reads a map's folder through, a shard at a time; `progress` hears of each.
+///
+/// # Errors
+/// [`Error::Input`] if it is no map; what is damaged is no error but a problem found.
+pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
+    if !folder::is_map(path) {
+        return Err(Error::input(path, "it is no echogrid map: a folder with report.json and map.zarr is wanted"));
+    }
+    let unreadable = |e: super::zarr::Cause| Error::input(path.join("map.zarr"), format!("it can't be read: {e}"));
+    let text = std::fs::read(path.join("report.json")).map_err(|e| Error::input(path, e.to_string()))?;
+    let stored: Value =
+        serde_json::from_slice(&text).map_err(|e| Error::input(path.join("report.json"), e.to_string()))?;
+    let reader = Reader::open(&path.join("map.zarr")).map_err(unreadable)?;
+    let mut found = Checked { layers: reader.names().len(), ..Checked::default() };
+    for (k, name) in reader.names().iter().enumerate() {
+        let mut all = [0.0, f64::INFINITY, f64::NEG_INFINITY];
+        let mut damaged = false;
+        for at in places(&reader.grid) {
+            progress();
+            match reader.stored(k, at) {
+                Some(bytes) => (found.shards, found.bytes) = (found.shards + 1, found.bytes + bytes),
+                None => {
+                    // All fill: nothing to test, and its sum is known.
+                    let part = reader.fill(k) * crate::whole::part(&reader.grid, at).cells() as f64;
+                    all = [all[0] + part, all[1].min(reader.fill(k)), all[2].max(reader.fill(k))];
+                    continue;
+                }
+            }
+            match tally(&reader, k, at) {
+                Ok([sum, min, max]) => all = [all[0] + sum, all[1].min(min), all[2].max(max)],
+                Err(e) => {
+                    damaged = true;
+                    found.problems.push(format!("{name}, shard row {} column {}: {e}", at[0], at[1]));
+                }
+            }
+        }
+        let of = |key: &str| stored["layers"][name][key].as_f64();
+        let close = |a: f64, b: Option<f64>| b.is_none_or(|b| (a - b).abs() <= 1e-9 * b.abs().max(1.0));
+        if !damaged && !(close(all[0], of("sum")) && close(all[1], of("min")) && close(all[2], of("max"))) {
+            found.problems.push(format!(
+                "{name}: its sum is {}, its values {} to {}, but report.json says {}: shards are missing or from another run",
+                all[0], all[1], all[2], stored["layers"][name]
+            ));
+        }
+    }
+    Ok(found)
+}
+
+/// A shard's sum, least and largest value.
+fn tally(reader: &Reader, layer: usize, at: [u32; 2]) -> Tried<[f64; 3]> {
+    let layer = reader.shard(layer, at)?;
+    let map =
+        Map { grid: crate::whole::part(&reader.grid, at), method: String::new(), layers: vec![layer], updates: 0 };
+    Ok(report::Tally::of(&map).first_layer())
+}
