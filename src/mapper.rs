@@ -42,6 +42,8 @@ pub struct Work {
     pub batches: u64,
     /// (Cone, tile) pairs.
     pub entries: u64,
+    /// Tiles reached, counted anew in each batch.
+    pub tiles: u64,
     /// Seconds of binning, in µs.
     pub binning_us: u64,
 }
@@ -123,6 +125,7 @@ impl<'a> Mapper<'a> {
         }
         self.work.batches += 1;
         self.work.entries += batch.chunks.iter().map(|c| c.entries.len() as u64).sum::<u64>();
+        self.work.tiles += batch.chunks.iter().map(|c| c.tiles.len() as u64).sum::<u64>();
         let frame = frame(&self.grid, self.method);
         self.backend.apply(self.method, frame, &batch, self.method.sweeps()[sweep], &mut Vec::new())
     }

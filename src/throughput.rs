@@ -5,8 +5,10 @@
 
 use crate::Result;
 use crate::kernels::Backend;
+use crate::kernels::ceiling::Ceilings;
+use crate::layout::{Cone, Entry};
 use crate::mapper::Mapper;
-use crate::method::Method;
+use crate::method::{Method, Step, tile_words};
 use crate::workload::Workload;
 use serde::Serialize;
 use std::time::Instant;
@@ -34,11 +36,37 @@ pub struct Measured {
     pub updates_per_second: f64,
     /// Readings a second, by the median.
     pub readings_per_second: f64,
+    /// Floating-point operations of an update ([`Cost`]).
+    pub flop: u32,
+    /// Integer operations of an update.
+    pub int: u32,
+    /// Bytes moved for an update if nothing is cached: each pass reads its tile's cells and its lists, and writes cells back.
+    pub bytes: f64,
+    /// Of the backend's ceilings, the share of that resource of which most is used, and which it is: flop, int or bytes.
+    pub ceiling: Option<(f64, &'static str)>,
+}
+
+impl Measured {
+    /// Holds the figures against what the backend can do at most.
+    pub fn against(mut self, ceilings: Option<Ceilings>) -> Measured {
+        self.ceiling = ceilings.map(|c| {
+            let rate = self.updates_per_second;
+            let used = [
+                (f64::from(self.flop) * rate / c.flop, "flop"),
+                (f64::from(self.int) * rate / c.int, "int"),
+                (self.bytes * rate / c.bytes, "bytes"),
+            ];
+            used.into_iter().fold((0.0, "flop"), |most, one| if one.0 > most.0 { one } else { most })
+        });
+        self
+    }
 }
 
 /// Runs a workload `runs` times after one for warming up.
 pub fn measure(workload: &Workload, method: &dyn Method, backend: &mut dyn Backend, runs: usize) -> Result<Measured> {
-    let (mut seconds, mut binning, mut updates) = (Vec::new(), Vec::new(), 0);
+    let (mut seconds, mut binning, mut updates, mut moved) = (Vec::new(), Vec::new(), 0, 0);
+    let passes = method.sweeps().iter().copied().flatten().filter(|s| matches!(s, Step::Pass(..))).count() as u64;
+    let per_sweep = passes.div_ceil(method.sweeps().len() as u64);
     for run in 0..=runs.max(1) {
         let started = Instant::now();
         let mut mapper =
@@ -49,6 +77,8 @@ pub fn measure(workload: &Workload, method: &dyn Method, backend: &mut dyn Backe
         mapper.wait()?;
         let took = started.elapsed().as_secs_f64();
         let bin = mapper.work.binning_us as f64 * 1e-6;
+        let (listed, cells) = (size_of::<Entry>() + size_of::<Cone>(), 8 * tile_words(method));
+        moved = per_sweep * (mapper.work.entries * listed as u64 + mapper.work.tiles * cells as u64);
         updates = mapper.finish()?.map.updates;
         if run > 0 {
             seconds.push(took);
@@ -56,7 +86,12 @@ pub fn measure(workload: &Workload, method: &dyn Method, backend: &mut dyn Backe
         }
     }
     let (median, readings) = (median(&seconds), workload.readings.len() as u64);
+    let cost = crate::method::entry(crate::method::name(method))?.cost;
     Ok(Measured {
+        flop: cost.flop,
+        int: cost.int,
+        bytes: moved as f64 / (updates as f64).max(1.0),
+        ceiling: None,
         workload: workload.name.clone(),
         method: crate::method::name(method).into(),
         backend: backend.name().into(),

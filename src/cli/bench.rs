@@ -2,11 +2,13 @@
 
 use super::common::{LogArguments, threads, warn_of_bad_lines, warn_of_jump};
 use super::{note, say};
+use crate::kernels::ceiling::Ceilings;
 use crate::kernels::{Choice, choose, gpu_required};
 use crate::method::{self, REGISTRY, settings::Settings};
 use crate::throughput::{Measured, measure};
-use crate::workload::{Workload, standard};
+use crate::workload::{Workload, cones, standard};
 use crate::{Error, Result};
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Characters of a workload's name in the table.
@@ -41,8 +43,17 @@ pub struct Bench {
     /// Threads of the CPU's kernels; 0: one a core
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
     threads: usize,
-    /// Print the figures as JSON
+    /// Show how time grows over 1, 4, 16 and 64 times the readings, and over as many times the cells
     #[arg(long)]
+    growth: bool,
+    /// Hold the figures against those of an earlier run, kept as JSON
+    #[arg(long, value_name = "OLD.json")]
+    compare: Option<PathBuf>,
+    /// Print the table as Markdown
+    #[arg(long)]
+    markdown: bool,
+    /// Print the figures as JSON
+    #[arg(long, conflicts_with = "markdown")]
     json: bool,
 }
 
@@ -58,18 +69,22 @@ impl Bench {
             let what = "truth needs the wedges of laser scans; bench measures the other methods";
             return Err(Error::Usage(what.into()));
         }
+        let old = self.compare.as_deref().map(earlier).transpose()?;
         let mut workloads = standard(self.readings as usize);
         if let Some(log) = &self.log {
             workloads.push(from_log(log)?);
         }
-        let widest = workloads.iter().map(|w| w.name.chars().count()).max().unwrap_or(0);
-        let width = 2 + widest.clamp(15, LONGEST);
+        if self.growth {
+            workloads = growing(self.readings as usize);
+        }
+        let mut table = Table::of(&workloads, self.markdown, self.json, old.is_some());
         let mut all: Vec<Measured> = Vec::new();
-        let mut adapters = Vec::new();
+        let mut backends = Vec::new();
         for (kind, choice) in [(Measurable::Cpu, Choice::Cpu), (Measurable::Gpu, Choice::Gpu)] {
             if !self.backends.contains(&kind) {
                 continue;
             }
+            let mut ceilings = None;
             for name in &methods {
                 let Some(settings) = Settings::of(name) else { continue };
                 let method = method::make(settings);
@@ -81,46 +96,133 @@ impl Bench {
                     }
                     Err(e) => return Err(e),
                 };
-                let adapter = format!("{}: {}", chosen.backend.name(), chosen.backend.adapter());
-                if !adapters.contains(&adapter) {
-                    if !self.json {
-                        say!("{adapter}");
-                        say!(
-                            "{:<17}{:<width$}{:>12}{:>14}{:>10}{:>10}",
-                            "method",
-                            "workload",
-                            "M updates/s",
-                            "k readings/s",
-                            "ms",
-                            "binning"
-                        );
-                    }
-                    adapters.push(adapter);
+                if ceilings.is_none() {
+                    ceilings = chosen.backend.ceilings()?;
+                    table.begin(&format!("{}: {}", chosen.backend.name(), chosen.backend.adapter()), ceilings);
+                    backends.push(json!({
+                        "backend": chosen.backend.name(), "adapter": chosen.backend.adapter(), "ceilings": ceilings,
+                    }));
                 }
                 for workload in &workloads {
                     let m = measure(workload, method.as_ref(), chosen.backend.as_mut(), self.runs as usize)?;
-                    if !self.json {
-                        say!(
-                            "{:<17}{:<width$}{:>12.1}{:>14.1}{:>10.1}{:>10.1}",
-                            m.method,
-                            short(&m.workload),
-                            m.updates_per_second / 1e6,
-                            m.readings_per_second / 1e3,
-                            m.median * 1e3,
-                            m.binning * 1e3
-                        );
-                    }
+                    let m = m.against(ceilings);
+                    table.row(&m, old.as_ref().map(|old| before(old, &m)));
                     all.push(m);
                 }
             }
         }
         if self.json {
-            let figures =
-                serde_json::json!({"version": env!("CARGO_PKG_VERSION"), "adapters": adapters, "measured": all});
+            let figures = json!({"version": env!("CARGO_PKG_VERSION"), "backends": backends, "measured": all});
             say!("{}", serde_json::to_string_pretty(&figures).unwrap_or_default());
         }
         Ok(0)
     }
+}
+
+/// The table under way.
+struct Table {
+    width: usize,
+    markdown: bool,
+    silent: bool,
+    compared: bool,
+}
+
+impl Table {
+    fn of(workloads: &[Workload], markdown: bool, silent: bool, compared: bool) -> Table {
+        let widest = workloads.iter().map(|w| w.name.chars().count()).max().unwrap_or(0);
+        Table { width: 2 + widest.clamp(15, LONGEST), markdown, silent, compared }
+    }
+
+    /// A backend's title, what it can do at most, and the columns' heads.
+    fn begin(&mut self, title: &str, ceilings: Option<Ceilings>) {
+        if self.silent {
+            return;
+        }
+        let most = ceilings.map(|c| {
+            let giga = |v: f64| v / 1e9;
+            format!(
+                "at most {:.1} GFLOP/s (fused), {:.1} G integer operations/s, {:.1} GB/s copied",
+                giga(c.flop),
+                giga(c.int),
+                giga(c.bytes)
+            )
+        });
+        let gap = if self.markdown { "\n" } else { "" };
+        say!("{gap}{title}{gap}");
+        most.iter().for_each(|m| say!("{m}{gap}"));
+        let mut heads =
+            ["method", "workload", "M updates/s", "k readings/s", "ms", "binning", "B/update", "of ceiling"]
+                .map(String::from)
+                .to_vec();
+        if self.compared {
+            heads.push("before".into());
+        }
+        self.line(&heads);
+        if self.markdown {
+            say!("|{}", "---|".repeat(heads.len()));
+        }
+    }
+
+    fn row(&self, m: &Measured, before: Option<Option<f64>>) {
+        let mut cells = vec![
+            m.method.clone(),
+            short(&m.workload),
+            format!("{:.1}", m.updates_per_second / 1e6),
+            format!("{:.1}", m.readings_per_second / 1e3),
+            format!("{:.1}", m.median * 1e3),
+            format!("{:.1}", m.binning * 1e3),
+            format!("{:.1}", m.bytes),
+            m.ceiling.map_or("-".into(), |(share, of)| format!("{:.0} % {of}", 100.0 * share)),
+        ];
+        // Faster or slower than it was, as a factor.
+        cells.extend(before.map(|b| b.map_or("-".into(), |old| format!("{:.2} x", m.updates_per_second / old))));
+        self.line(&cells);
+    }
+
+    fn line(&self, cells: &[String]) {
+        if self.silent {
+            return;
+        }
+        if self.markdown {
+            say!("| {} |", cells.join(" | "));
+            return;
+        }
+        const WIDTHS: [usize; 9] = [17, 0, 12, 14, 10, 10, 10, 12, 10];
+        let width = |k: usize| if k == 1 { self.width } else { WIDTHS[k] };
+        let cell = |(k, text): (usize, &String)| match k {
+            0 | 1 => format!("{text:<0$}", width(k)),
+            _ => format!("{text:>0$}", width(k)),
+        };
+        say!("{}", cells.iter().enumerate().map(cell).collect::<String>());
+    }
+}
+
+/// The figures of an earlier run.
+fn earlier(path: &std::path::Path) -> Result<Value> {
+    let wrong = |what: String| Error::input(path, format!("{what}: give what bench --json printed"));
+    let text = std::fs::read(path).map_err(|e| wrong(e.to_string()))?;
+    let figures: Value = serde_json::from_slice(&text).map_err(|e| wrong(format!("it is not JSON ({e})")))?;
+    if figures["measured"].is_array() { Ok(figures) } else { Err(wrong("it has no figures".into())) }
+}
+
+/// Updates a second of the same method on the same backend and workload in an earlier run.
+fn before(old: &Value, m: &Measured) -> Option<f64> {
+    let same = |v: &&Value| v["method"] == m.method && v["backend"] == m.backend && v["workload"] == m.workload;
+    old["measured"].as_array()?.iter().find(same)?["updates_per_second"].as_f64()
+}
+
+/// 30° cones of 2 m on 5 cm: 1, 4, 16 and 64 times the readings over the same cells; and as many cells for the same readings.
+fn growing(readings: usize) -> Vec<Workload> {
+    let width = 30f64.to_radians();
+    let one = |times: usize, cells: usize, what: &str| {
+        let workload = cones(readings * times, width, 2.0, 0.05, cells, 1);
+        Workload {
+            name: format!("{what} x {}", if what == "cells" { (cells / 512) * (cells / 512) } else { times }),
+            ..workload
+        }
+    };
+    let more = [1, 4, 16, 64].map(|times| one(times, 512, "readings"));
+    more.into_iter().chain([512, 1024, 2048, 4096].map(|cells| one(1, cells, "cells"))).collect()
 }
 
 /// A name that fits its column.

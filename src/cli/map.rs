@@ -107,20 +107,17 @@ impl Map {
         let mapped = whole::map(session, chosen.backend.as_mut(), &plan, folder.path(), &stage, &mut writer);
         let (counts, stages) = match mapped {
             Ok(mapped) => mapped,
-            // What is done is not lost.
-            Err(e) if !writer.done().is_empty() => {
-                let kept = folder.path().display().to_string();
-                folder.keep();
-                return Err(e.and(&format!("the finished part stays in {kept}: --resume goes on from there")));
-            }
-            Err(e) => return Err(e),
+            Err(e) if writer.done().is_empty() => return Err(e),
+            Err(e) => return Err(kept(folder, e)),
         };
         if before > 0 {
             note!("resumed: {} had been done", count(before as u64, "chunk"));
         }
         let info = RunInfo { readings: counts, seconds: info.seconds.into_iter().chain(stages).collect(), ..info };
-        let report = writer.finish(&info)?;
-        Ok((folder, report, counts, ran))
+        match writer.finish(&info) {
+            Ok(report) => Ok((folder, report, counts, ran)),
+            Err(e) => Err(kept(folder, e)),
+        }
     }
 
     /// With all chunks resident: where the method needs it, and for the reference.
@@ -170,6 +167,13 @@ impl Map {
         output::write_working(folder.path(), grid, sensors, &readings, &settings, wedges.as_deref(), n, map)?;
         Ok(())
     }
+}
+
+/// What is done is not lost: the error, and where to go on from.
+fn kept(folder: Folder, error: Error) -> Error {
+    let place = folder.path().display().to_string();
+    folder.keep();
+    error.and(&format!("the finished part stays in {place}: --resume goes on from there"))
 }
 
 /// What a map was made on.

@@ -1,5 +1,6 @@
 //! The backends: they run a method's passes over a batch, chunk by chunk.
 
+pub mod ceiling;
 mod choose;
 pub mod cpu;
 pub mod dry;
@@ -53,6 +54,11 @@ pub trait Backend {
         steps: &[Step],
         shares: &mut Shares,
     ) -> Result<()>;
+
+    /// What it can do at most, measured now; `None` where there is nothing to measure.
+    fn ceilings(&mut self) -> Result<Option<ceiling::Ceilings>> {
+        Ok(None)
+    }
 
     /// Returns when all that was applied is done.
     fn wait(&mut self) -> Result<()> {

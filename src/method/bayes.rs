@@ -5,7 +5,7 @@
 //! for lasers, needs nothing but the two counts that every method keeps: exact, whatever the order.
 
 use super::settings::{Bayes, Likelihood, Settings};
-use super::{Entry, LayerSpec, Method, Pass, Step};
+use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
@@ -20,6 +20,7 @@ pub const ENTRY: Entry = Entry {
     source: "Elfes 1989; Murphy 2000",
     about: "log odds of occupied from each reading's likelihoods",
     wgsl: include_str!("../../shaders/method/bayes.wgsl"),
+    cost: Cost { flop: 42, int: 22 },
     make: |settings| match settings {
         Settings::Bayes(b) => Some(Box::new(b)),
         _ => None,

@@ -9,7 +9,7 @@
 //! occupancy.
 
 use super::settings::{Certainty, Order, Settings};
-use super::{Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
+use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
@@ -24,6 +24,7 @@ pub const ENTRY: Entry = Entry {
     source: "Moravec & Elfes 1985",
     about: "certainties of empty and of occupied, the occupied of each reading cancelled and normalised over its arc",
     wgsl: include_str!("../../shaders/method/certainty.wgsl"),
+    cost: Cost { flop: 100, int: 44 },
     make: |settings| match settings {
         Settings::Certainty(c) => Some(Box::new(c)),
         _ => None,

@@ -4,7 +4,7 @@
 //! −Σ ln(1 − e) and −Σ ln(1 − f). They are kept in 64-bit fixed point: exact, free of order, the same on every backend.
 
 use super::settings::{DempsterShafer, MassModel, Rho, Settings};
-use super::{Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
+use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
@@ -20,6 +20,7 @@ pub const ENTRY: Entry = Entry {
     source: "Pagac, Nebot & Durrant-Whyte 1998",
     about: "masses of empty, full and unknown, and their accumulated conflict",
     wgsl: include_str!("../../shaders/method/dempster_shafer.wgsl"),
+    cost: Cost { flop: 0, int: 52 },
     make: |settings| match settings {
         Settings::DempsterShafer(d) => Some(Box::new(d)),
         _ => None,

@@ -6,7 +6,7 @@
 //! halves stay exact integers on every machine.
 
 use super::settings::{Himm, Settings};
-use super::{Entry, LayerSpec, Method, Pass, Rounds, Step};
+use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
@@ -19,6 +19,7 @@ pub const ENTRY: Entry = Entry {
     source: "Borenstein & Koren 1991; Murphy 2000",
     about: "a count from 0 to 15 on the acoustic axis: +3 at the hit, -1 before it",
     wgsl: include_str!("../../shaders/method/himm.wgsl"),
+    cost: Cost { flop: 0, int: 16 },
     make: |settings| match settings {
         Settings::Himm(h) => Some(Box::new(h)),
         _ => None,

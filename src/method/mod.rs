@@ -128,6 +128,16 @@ pub trait Method: Send + Sync {
     }
 }
 
+/// Operations of one cell update with the default parameters, membership included, counted in the source of all passes:
+/// f32 + − × ÷ √ one each, 32-bit integer + − × and comparisons one each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cost {
+    /// Floating-point operations.
+    pub flop: u32,
+    /// Integer operations.
+    pub int: u32,
+}
+
 /// A line of the registry: what ties a method's two halves, and what help, README and tests say of it.
 pub struct Entry {
     /// Its name on the command line.
@@ -138,6 +148,8 @@ pub struct Entry {
     pub about: &'static str,
     /// The WGSL half.
     pub wgsl: &'static str,
+    /// What an update costs.
+    pub cost: Cost,
     /// Makes it from its parameters, which must be this method's.
     pub make: fn(Settings) -> Option<Box<dyn Method>>,
 }

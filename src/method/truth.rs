@@ -4,7 +4,7 @@
 //! a pass d < z − ¾ cell: the two counts that every method keeps, so a cell has no other state.
 
 use super::settings::Settings;
-use super::{Entry, LayerSpec, Method, Pass, Step};
+use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
@@ -17,6 +17,7 @@ pub const ENTRY: Entry = Entry {
     source: "echogrid",
     about: "laser logs: hits and passes of each scan's nearest beam, a true map to score sonar maps against",
     wgsl: include_str!("../../shaders/method/truth.wgsl"),
+    cost: Cost { flop: 0, int: 24 },
     make: |settings| match settings {
         Settings::Truth => Some(Box::new(Truth)),
         _ => None,

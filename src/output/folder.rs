@@ -166,9 +166,7 @@ fn open_partial(partial: &Path, resume: bool) -> Result<File> {
         if !partial.is_dir() || !is_ours(partial) {
             return Err(blocked(partial, "it is in the way and echogrid didn't write it", "move it"));
         }
-        if let Ok(file) = File::open(&marker)
-            && let Err(TryLockError::WouldBlock) = file.try_lock()
-        {
+        if File::open(&marker).is_ok_and(|file| locked(&file)) {
             return Err(blocked(partial, "another run is writing it", "wait for that run"));
         }
         if partial.join(RUN).exists() {
@@ -183,11 +181,22 @@ fn open_partial(partial: &Path, resume: bool) -> Result<File> {
     }
     fs::create_dir_all(partial).map_err(|e| unusable(partial, &e.to_string()))?;
     let file = File::create(&marker).map_err(|e| unusable(partial, &e.to_string()))?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(blocked(partial, "another run is writing it", "wait for that run")),
-        // A file system without locks only loses the warning about two runs at once.
-        _ => Ok(file),
+    match locked(&file) {
+        true => Err(blocked(partial, "another run is writing it", "wait for that run")),
+        false => Ok(file),
     }
+}
+
+/// Whether another run holds the lock, and goes on to: a killed one takes a while to die. A file system without locks only
+/// loses the warning about two runs at once.
+fn locked(file: &File) -> bool {
+    for wait in [0, 100, 400, 1500] {
+        std::thread::sleep(std::time::Duration::from_millis(wait));
+        if !matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            return false;
+        }
+    }
+    true
 }
 
 /// Whether a partial folder is echogrid's: its marker, or nothing at all.

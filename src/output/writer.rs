@@ -176,20 +176,18 @@ impl MapWriter {
         self.pgm.close()?;
         self.arrays.drain(..).try_for_each(Raster::close)?;
         let picture = |name: &str| self.place.join(format!("{name}.png"));
-        for (level, raster) in self.levels.iter_mut().enumerate() {
-            let Some(raster) = raster.take() else { continue };
+        for (level, raster) in self.levels.iter().enumerate() {
+            let Some(raster) = raster else { continue };
             if level > 0 {
-                shards(&raster, |at, entries| self.store.overview(level, at, entries))?;
+                shards(raster, |at, entries| self.store.overview(level, at, entries))?;
             }
             if level == self.shown {
-                save(&raster, &picture("map"), &outline.combined)?;
+                save(raster, &picture("map"), &outline.combined)?;
             }
-            raster.remove()?;
         }
         let heads = outline.heads.iter().filter(|h| h.name != "map");
-        for (raster, head) in self.canvases.drain(..).zip(heads) {
-            save(&raster, &picture(&head.name), head)?;
-            raster.remove()?;
+        for (raster, head) in self.canvases.iter().zip(heads) {
+            save(raster, &picture(&head.name), head)?;
         }
         let unreached: BTreeMap<Place, Tally> = places(&outline.grid)
             .filter(|at| !self.done.contains_key(at))
@@ -200,13 +198,15 @@ impl MapWriter {
         let mut attributes = zarr::attributes(&outline.grid, &outline.method, &outline.heads, info);
         attributes.insert("updates".into(), report.updates.into());
         self.store.close(attributes)?;
+        report.seconds.push(("write".into(), started.elapsed().as_secs_f64()));
+        report.peak_memory = report::peak_memory();
+        report::write(&self.place.join("report.json"), &report)?;
+        // What a resumed run would need goes last, and what tells it that there is something to resume goes first.
         for name in [RUN, PROGRESS] {
             let path = self.place.join(name);
             std::fs::remove_file(&path).map_err(|e| unwritable(&path, e))?;
         }
-        report.seconds.push(("write".into(), started.elapsed().as_secs_f64()));
-        report.peak_memory = report::peak_memory();
-        report::write(&self.place.join("report.json"), &report)?;
+        self.levels.into_iter().flatten().chain(self.canvases).try_for_each(Raster::remove)?;
         Ok(report)
     }
 }

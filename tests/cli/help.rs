@@ -22,7 +22,20 @@ fn options() -> Vec<(&'static str, Vec<&'static str>)> {
         ("compare", vec!["--tol", "--common", "--pictures", "--json"]),
         ("doctor", vec!["--json"]),
         ("demo", vec!["--output", "--backend"]),
-        ("bench", vec!["--methods", "--backends", "--readings", "--runs", "--threads", "--json"]),
+        (
+            "bench",
+            vec![
+                "--methods",
+                "--backends",
+                "--readings",
+                "--runs",
+                "--threads",
+                "--growth",
+                "--compare",
+                "--markdown",
+                "--json",
+            ],
+        ),
         ("completions", vec![]),
         ("man", vec![]),
     ]

@@ -200,7 +200,11 @@ fn doctor() {
 fn bench_gives_figures_for_every_method() {
     let place = Place::new();
     let found = place.does(&["bench", "--readings", "200", "--runs", "1", "--json"]).json();
-    assert_eq!(keys(&found), ["adapters", "measured", "version"]);
+    assert_eq!(keys(&found), ["backends", "measured", "version"]);
+    let most = &found["backends"][0]["ceilings"];
+    for what in ["flop", "int", "bytes"] {
+        assert!(most[what].as_f64().unwrap() > 1e8, "{most}");
+    }
     for entry in REGISTRY.iter().filter(|e| e.name != "truth") {
         let of_cpu = |m: &&serde_json::Value| m["method"] == entry.name && m["backend"] == "cpu";
         let measured: Vec<_> = found["measured"].as_array().unwrap().iter().filter(of_cpu).collect();
@@ -212,6 +216,11 @@ fn bench_gives_figures_for_every_method() {
             }
             let rate = m["updates"].as_f64().unwrap() / m["median"].as_f64().unwrap();
             assert!((rate / m["updates_per_second"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{m}");
+            // the share of the ceiling that binds, from what an update costs
+            let (share, of) = (m["ceiling"][0].as_f64().unwrap(), m["ceiling"][1].as_str().unwrap());
+            let wanted =
+                m[of].as_f64().unwrap() * m["updates_per_second"].as_f64().unwrap() / most[of].as_f64().unwrap();
+            assert!((share / wanted - 1.0).abs() < 1e-6 && share < 1.5, "{m}");
         }
     }
     let ran =
@@ -219,12 +228,39 @@ fn bench_gives_figures_for_every_method() {
     let lines: Vec<&str> = ran.out.lines().collect();
     assert!(lines[0].starts_with("cpu: "), "{}", lines[0]);
     assert_eq!(
-        lines[1].split("  ").filter(|s| !s.is_empty()).map(str::trim).collect::<Vec<_>>(),
-        ["method", "workload", "M updates/s", "k readings/s", "ms", "binning"]
+        lines[2].split("  ").filter(|s| !s.is_empty()).map(str::trim).collect::<Vec<_>>(),
+        ["method", "workload", "M updates/s", "k readings/s", "ms", "binning", "B/update", "of ceiling"]
     );
+    assert!(lines[1].starts_with("at most ") && lines[1].contains(" GFLOP/s (fused), "), "{}", lines[1]);
     // Four workloads and the log, twice.
-    assert_eq!(lines.len(), 2 + 2 * 5, "{}", ran.out);
-    assert!(lines[6].starts_with("himm             log.jsonl, 5 cm"), "{}", lines[6]);
+    assert_eq!(lines.len(), 3 + 2 * 5, "{}", ran.out);
+    assert!(lines[7].starts_with("himm             log.jsonl, 5 cm"), "{}", lines[7]);
+}
+
+#[test]
+fn bench_compares_grows_and_prints_markdown() {
+    let place = Place::new();
+    let small = ["bench", "-m", "himm", "--backends", "cpu", "--readings", "10", "--runs", "1"];
+    place.write("old.json", place.does(&[&small[..], &["--json"]].concat()).out);
+    let ran = place.does(&[&small[..], &["--compare", "old.json"]].concat());
+    let lines: Vec<&str> = ran.out.lines().skip(2).collect();
+    assert!(lines[0].ends_with("before") && lines[1..].iter().all(|l| l.ends_with(" x")), "{}", ran.out);
+    let ran = place.does(&[&small[..], &["--markdown"]].concat());
+    let table: Vec<&str> = ran.out.lines().filter(|l| l.starts_with('|')).collect();
+    assert_eq!(table.len(), 2 + 4, "{}", ran.out);
+    assert!(table.iter().all(|l| l.matches('|').count() == 9 && l.ends_with('|')), "{}", ran.out);
+    let found = place.does(&[&small[..], &["--growth", "--json"]].concat()).json();
+    let row = |k: usize| (found["measured"][k]["workload"].as_str().unwrap(), &found["measured"][k]["readings"]);
+    assert_eq!(
+        [row(0), row(3), row(7)],
+        [("readings x 1", &json!(10)), ("readings x 64", &json!(640)), ("cells x 64", &json!(10))]
+    );
+    place.write("odd.json", "{}");
+    place.refuses(
+        &[&small[..], &["--compare", "odd.json"]].concat(),
+        3,
+        "echogrid: odd.json: it has no figures: give what bench --json printed",
+    );
 }
 
 #[test]
@@ -239,7 +275,7 @@ fn bench_refuses_truth_and_keeps_its_columns() {
     ] {
         place.write(name, crate::common::SMALL);
         let ran = place.does(&[&["bench", name], &small[..]].concat());
-        let lines: Vec<&str> = ran.out.lines().skip(1).collect();
+        let lines: Vec<&str> = ran.out.lines().skip(2).collect();
         assert!(lines[5].starts_with(&format!("himm             {shown}  ")), "{}", ran.out);
         let widths: Vec<usize> = lines.iter().map(|l| l.chars().count()).collect();
         assert_eq!(widths, [widths[0]; 6], "{}", ran.out);

@@ -41,6 +41,10 @@ impl Backend for Cpu {
         format!("{} threads, {}", self.pool.current_num_threads(), walk::simd_level())
     }
 
+    fn ceilings(&mut self) -> Result<Option<super::ceiling::Ceilings>> {
+        super::ceiling::cpu(&self.pool).map(Some)
+    }
+
     fn limits(&self) -> Limits {
         Limits { readings: 1 << 24, entries: 1 << 27, parts: 1 << 27 }
     }

@@ -1,6 +1,7 @@
 //! The GPU's kernels through wgpu: a method's passes over each chunk that a batch reaches, the chunks resident.
 
 pub mod adapter;
+mod ceiling;
 mod device;
 mod pass;
 pub mod shader;
@@ -130,6 +131,10 @@ impl Backend for Gpu {
 
     fn adapter(&self) -> String {
         self.found().to_string()
+    }
+
+    fn ceilings(&mut self) -> Result<Option<crate::kernels::ceiling::Ceilings>> {
+        ceiling::ceilings(&self.device).map(Some)
     }
 
     fn limits(&self) -> Limits {

@@ -1,0 +1,9 @@
+// How fast the adapter reads and writes its memory, sixteen bytes a thread; twin of src/kernels/ceiling.rs (cpu).
+
+@group(0) @binding(0) var<storage, read> source: array<vec4<f32>>;
+@group(0) @binding(1) var<storage, read_write> sink: array<vec4<f32>>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    sink[id.x] = source[id.x];
+}

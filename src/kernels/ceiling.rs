@@ -1,0 +1,87 @@
+//! What a processor can do at most, measured by kernels that do nothing else: the bar that throughput is held against; twins
+//! of `shaders/ceiling/*.wgsl`.
+
+use crate::Result;
+use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// The most that a backend was seen to do.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Ceilings {
+    /// f32 operations a second, a fused multiplication and addition counted as two.
+    pub flop: f64,
+    /// 32-bit integer operations a second, a multiplication and an addition counted as two.
+    pub int: f64,
+    /// Bytes a second of a copy, read and written ones.
+    pub bytes: f64,
+}
+
+/// Values in flight for each thread: more than any register file's latency hides.
+const CHAINS: usize = 128;
+const STEPS: usize = 20_000;
+/// Bytes that a thread copies: more than its caches hold.
+const COPY: usize = 64 << 20;
+
+/// Seconds of the fastest of a few runs.
+pub(super) fn fastest(mut run: impl FnMut() -> Result<()>) -> Result<f64> {
+    let mut best = f64::INFINITY;
+    for _ in 0..5 {
+        let started = Instant::now();
+        run()?;
+        best = best.min(started.elapsed().as_secs_f64());
+    }
+    Ok(best)
+}
+
+#[inline(always)]
+fn fused(values: &mut [f32; CHAINS], x: f32, y: f32) {
+    for _ in 0..STEPS {
+        for v in values.iter_mut() {
+            *v = v.mul_add(x, y);
+        }
+    }
+}
+
+#[inline(always)]
+fn whole(values: &mut [i32; CHAINS], x: i32, y: i32) {
+    for _ in 0..STEPS {
+        for v in values.iter_mut() {
+            *v = v.wrapping_mul(x).wrapping_add(y);
+        }
+    }
+}
+
+/// The ceilings of a pool's threads together.
+pub fn cpu(pool: &rayon::ThreadPool) -> Result<Ceilings> {
+    let threads = pool.current_num_threads();
+    let level = Level::new();
+    let each = |work: &(dyn Fn() + Sync)| pool.install(|| (0..threads).into_par_iter().for_each(|_| work()));
+    let steps = (2 * CHAINS * STEPS * threads) as f64;
+    let flop = fastest(|| {
+        each(&|| {
+            let mut values = black_box([1.0f32; CHAINS]);
+            let (x, y) = black_box((0.999, 0.001));
+            dispatch!(level, _simd => fused(&mut values, x, y));
+            black_box(values);
+        });
+        Ok(())
+    })?;
+    let int = fastest(|| {
+        each(&|| {
+            let mut values = black_box([1i32; CHAINS]);
+            let (x, y) = black_box((3, 7));
+            dispatch!(level, _simd => whole(&mut values, x, y));
+            black_box(values);
+        });
+        Ok(())
+    })?;
+    let mut buffers: Vec<(Vec<u8>, Vec<u8>)> = (0..threads).map(|_| (vec![1; COPY], vec![0; COPY])).collect();
+    let copy = fastest(|| {
+        pool.install(|| buffers.par_iter_mut().for_each(|(from, to)| to.copy_from_slice(black_box(from))));
+        Ok(())
+    })?;
+    Ok(Ceilings { flop: steps / flop, int: steps / int, bytes: (2 * COPY * threads) as f64 / copy })
+}
