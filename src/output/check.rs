@@ -60,7 +60,8 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
         }
         let of = |key: &str| stored["layers"][name][key].as_f64();
         let close = |a: f64, b: Option<f64>| b.is_none_or(|b| (a - b).abs() <= 1e-9 * b.abs().max(1.0));
-        if !damaged && !(close(all[0], of("sum")) && close(all[1], of("min")) && close(all[2], of("max"))) {
+        let agrees = close(all[0], of("sum")) && close(all[1], of("min")) && close(all[2], of("max"));
+        if !agrees && !damaged {
             found.problems.push(format!(
                 "{name}: its sum is {}, its values {} to {}, but report.json says {}: shards are missing or from another run",
                 all[0], all[1], all[2], stored["layers"][name]
