@@ -197,7 +197,7 @@ octomap::point3d origin(const Reading& r)
     return octomap::point3d(static_cast<float>(r.x), static_cast<float>(r.y), 0.0f);
 }
 
-// A tree, and for each observation its origin and end points. A tree can't be sized beforehand: it grows as it is filled.
+// A tree, and for each observation its origin and end points. A tree can't be sized beforehand: it grows.
 struct Octomap
 {
     std::unique_ptr<octomap::OcTree> tree = std::make_unique<octomap::OcTree>(kCell);

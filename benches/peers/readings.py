@@ -3,7 +3,8 @@
 
     readings.py FOLDER
 
-Writes sonar-5m, sonar-2m and laser-10m, each as .txt (a line a reading: x y heading range) and .jsonl.
+Writes sonar-5m, sonar-2m and laser-10m, each as .txt (a line a reading: x y heading range) and .jsonl; few-5m is every
+hundredth reading of sonar-5m.
 """
 import json
 import math
@@ -16,10 +17,12 @@ READINGS = 20_000
 SCANS = 100
 BEAMS = 361
 SONAR = {
-    "id": "cone", "kind": "sonar", "half_width": "15deg", "r_min": 0.1, "r_max": 5, "hit_range": 5, "no_echo_range": 0,
+    "id": "cone", "kind": "sonar", "half_width": "15deg", "r_min": 0.1, "r_max": 5, "hit_range": 5,
+    "no_echo_range": 0,
 }
 LASER = {
-    "id": "beam", "kind": "laser", "half_width": "0.25deg", "r_min": 0.1, "r_max": 20, "hit_range": 20, "no_echo_range": 0,
+    "id": "beam", "kind": "laser", "half_width": "0.25deg", "r_min": 0.1, "r_max": 20, "hit_range": 20,
+    "no_echo_range": 0,
 }
 
 
@@ -58,6 +61,7 @@ def main():
     folder = sys.argv[1]
     os.makedirs(folder, exist_ok=True)
     write(os.path.join(folder, "sonar-5m"), SONAR, sonar(1, 1, 5))
+    write(os.path.join(folder, "few-5m"), SONAR, list(sonar(1, 1, 5))[::100])
     write(os.path.join(folder, "sonar-2m"), SONAR, sonar(2, 1, 2))
     write(os.path.join(folder, "laser-10m"), LASER, laser(3, 9, 10))
 

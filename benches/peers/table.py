@@ -64,7 +64,7 @@ def read(folder):
         _, backend, threads = program.split("-")
         versions.add(f"echogrid {found['version']}")
         for adapter in found["adapters"]:
-            adapters[backend] = adapter.split(": ", 1)[1]
+            adapters[backend] = adapter.split(": ", 1)[1].split(" threads, ")[-1]
         for m in found["measured"]:
             if m["workload"].startswith(workload):
                 key = (backend, int(threads), m["method"])
@@ -99,13 +99,17 @@ def title(program):
 
 
 def ratio(ours, theirs):
-    """Echogrid's speed over the peer's by the medians, and the least and the most of the rounds."""
+    """Speed over speed: the median, the least and the most of the rounds in which both ran."""
     of_rounds = [
         statistics.median(theirs.seconds[n]) / theirs.readings * ours.readings / statistics.median(ours.seconds[n])
-        for n in ours.seconds
+        for n in list(ours.seconds)
         if n in theirs.seconds
     ]
-    return ours.median() / theirs.median(), min(of_rounds), max(of_rounds)
+    return statistics.median(of_rounds), min(of_rounds), max(of_rounds)
+
+
+def short(number):
+    return f"{number:.1f}" if number >= 1 else f"{number:.2f}" if number >= 0.1 else f"{number:.3f}"
 
 
 def main():
@@ -118,28 +122,33 @@ def main():
     rounds = len(timed["sonar-5m", BASE].seconds)
 
     print("# MRPT and OctoMap beside echogrid\n")
+    kernels = "; ".join(f"{backend}: {adapter}" for backend, adapter in adapters.items())
     print(f"{', '.join(sorted(versions))}; {processor()}, {os.cpu_count()} cores, load {sys.argv[2]} at the start;")
-    print(f"echogrid's kernels: {'; '.join(adapters.values())}. Cells of 5 cm, {rounds} rounds, the programs in turn.")
-    print("The machine may be shared with other work: **only the ratios count**, not the speeds.\n")
-    head("program", "threads", "what it computes", "workload", "cells a reading", "k readings/s, median", "best", "× bayes on one thread")
+    print(f"echogrid's kernels: {kernels}.")
+    empty = timed["few-5m", BASE]
+    alone = 1e3 * statistics.median(empty.every())
+    print(f"Cells of 5 cm; {rounds} rounds, the programs in turn.\n")
+    print("The machine may be shared with other work: **only the ratios count**, not the speeds. A pass of echogrid")
+    print(f"includes making its empty map ({alone:.0f} ms with {empty.readings} readings); MRPT's is made beforehand.")
+    print("Cells a reading: of echogrid the updates; of the peers the cells that one reading or scan touches, each once.\n")
+    speeds = ("k readings/s, median", "best", "× bayes on one thread")
+    head("program", "threads", "what it computes", "workload", "cells a reading", *speeds)
     for workload, name in WORKLOADS.items():
-        base = timed[workload, BASE].median()
+        base = timed[workload, BASE]
         for program in programs:
             if (workload, program) not in timed:
                 continue
             t = timed[workload, program]
-            speeds = (f"{t.median() / 1e3:.1f}", f"{t.best() / 1e3:.1f}", f"{t.median() / base:.2f}")
+            speeds = (f"{t.median() / 1e3:.1f}", f"{t.best() / 1e3:.1f}", short(ratio(t, base)[0]))
             row(*title(program), name, f"{t.cells:.0f}", *speeds)
 
     print("\n## echogrid / peer\n")
-    print("Readings/s of echogrid over those of the peer, by the medians; in brackets the least and the most of the rounds.")
-    print("Above 1 echogrid is faster; where it is slower, the ratio is in bold.\n")
-    pairs = [p for p in programs if p not in PEERS and p[0] == "cpu"]
-    pairs += [p for p in programs if p not in PEERS and p[0] == "gpu"]
+    print("Readings/s of echogrid over those of the peer, each round by itself: the median of the rounds, in brackets")
+    print("the least and the most. Above 1 echogrid is faster; where it is slower, the ratio is in bold.\n")
     slower = []
     peers = [(w, p) for w in WORKLOADS for p in PEERS if (w, p) in timed]
     head("echogrid", "threads", *(f"{PEERS[p][0]}; {WORKLOADS[w]}" for w, p in peers))
-    for ours in pairs:
+    for ours in programs[len(PEERS) :]:
         name, threads, _ = title(ours)
         cells = []
         for workload, peer in peers:
@@ -147,11 +156,11 @@ def main():
                 cells.append("-")
                 continue
             middle, least, most = ratio(timed[workload, ours], timed[workload, peer])
-            text = f"{middle:.2f}" if middle < 1 else f"{middle:.1f}"
-            span = f"({least:.2f}–{most:.2f})" if middle < 1 else f"({least:.1f}–{most:.1f})"
-            cells.append(f"**{text}** {span}" if middle < 1 else f"{text} {span}")
+            mark = "**" if middle < 1 else ""
+            cells.append(f"{mark}{short(middle)}{mark} ({short(least)}–{short(most)})")
             if middle < 1 and ours[:2] == BASE[:2]:
-                slower.append(f"{name} than {PEERS[peer][0]} on {WORKLOADS[workload]}: 1/{1 / middle:.1f} of its speed")
+                times = f"{PEERS[peer][0]} takes {1 / middle:.1f} times as many readings/s"
+                slower.append(f"{name}: {times} ({WORKLOADS[workload]})")
         row(name.removeprefix("echogrid "), threads, *cells)
 
     print("\nOn one thread echogrid is slower in:\n" if slower else "\nOn one thread echogrid is slower nowhere.")
