@@ -63,8 +63,8 @@ def read(folder):
             continue
         _, backend, threads = program.split("-")
         versions.add(f"echogrid {found['version']}")
-        for adapter in found["adapters"]:
-            adapters[backend] = adapter.split(": ", 1)[1].split(" threads, ")[-1]
+        for one in found["backends"]:
+            adapters[backend] = one["adapter"].split(" threads, ")[-1]
         for m in found["measured"]:
             if m["workload"].startswith(workload):
                 key = (backend, int(threads), m["method"])
