@@ -1,6 +1,6 @@
 //! `echogrid bench`.
 
-use super::common::{LogArguments, threads, warn_of_bad_lines, warn_of_jump};
+use super::common::{LogArguments, threads, use_threads, warn_of_bad_lines, warn_of_jump};
 use super::{note, say};
 use crate::kernels::ceiling::Ceilings;
 use crate::kernels::{Choice, choose, gpu_required};
@@ -40,7 +40,7 @@ pub struct Bench {
     /// Timed runs of each; the median is reported
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..1000))]
     runs: u64,
-    /// Threads of the CPU's kernels; 0: one a core
+    /// Threads of the CPU's kernels and of the host's work; 0: one a core
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// Show how time grows over 1, 4, 16 and 64 times the readings, and over as many times the cells
@@ -60,6 +60,7 @@ pub struct Bench {
 impl Bench {
     /// Measures, and prints a table.
     pub fn run(self) -> Result<u8> {
+        use_threads(self.threads)?;
         let methods: Vec<&str> = if self.methods.is_empty() {
             REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth").collect()
         } else {

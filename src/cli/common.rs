@@ -81,7 +81,7 @@ pub struct LogArguments {
     /// Readings at a time; the result does not depend on it
     #[arg(long, value_name = "N", default_value_t = crate::mapper::BATCH, hide_short_help = true)]
     pub batch: usize,
-    /// Threads of the CPU's kernels; 0: one a core; the result does not depend on it
+    /// Threads of the CPU's kernels and of the host's work; 0: one a core; the result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads, hide_short_help = true)]
     pub threads: usize,
 }
@@ -119,6 +119,15 @@ pub fn from_one(text: &str) -> std::result::Result<u64, String> {
 /// Threads on the command line: more than a machine has only cost.
 pub fn threads(text: &str) -> std::result::Result<usize, String> {
     text.parse().ok().filter(|n| *n <= 1024).ok_or_else(|| "give 0 (one a core) to 1024".into())
+}
+
+/// Bounds the host's work, binning say, to so many threads too; 0 leaves one a core. Once a program.
+pub fn use_threads(count: usize) -> Result<()> {
+    if count == 0 {
+        return Ok(());
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count);
+    pool.build_global().map_err(|e| Error::Resources(format!("{count} threads can't be started: {e}")))
 }
 
 /// Every method.
@@ -174,6 +183,7 @@ fn idle(settings: &Settings, set: &[String]) -> Vec<(&'static str, &'static str)
 impl LogArguments {
     /// What they ask for.
     pub fn request(&self) -> Result<Request> {
+        use_threads(self.threads)?;
         method::entry(&self.method)?;
         let mut settings =
             Settings::of(&self.method).ok_or_else(|| Error::Usage(format!("no method {}", self.method)))?;

@@ -1,6 +1,6 @@
 //! `echogrid simulate`: a log of a world.
 
-use super::common::threads;
+use super::common::{threads, use_threads};
 use super::say;
 use crate::world::{Rig, World, simulate};
 use crate::{Error, Result};
@@ -52,8 +52,7 @@ impl Simulate {
         };
         rig.physics.bounces = self.bounces.unwrap_or(rig.physics.bounces);
         rig.physics.specular &= !self.no_specular;
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build();
-        let pool = pool.map_err(|e| Error::Resources(format!("{} threads can't be started: {e}", self.threads)))?;
+        use_threads(self.threads)?;
         let to_stdout = self.output == Path::new("-");
         let out = Target::open(&self.output)?;
         let bar = if self.quiet {
@@ -62,11 +61,8 @@ impl Simulate {
             ProgressBar::new(self.scans.unwrap_or(world.stops.len() as u64))
         };
         let started = Instant::now();
-        let (done, out) = pool.install(|| {
-            simulate(&world, &rig, self.seed, self.scans, BufWriter::with_capacity(1 << 20, out), &|n| {
-                bar.set_position(n)
-            })
-        })?;
+        let out = BufWriter::with_capacity(1 << 20, out);
+        let (done, out) = simulate(&world, &rig, self.seed, self.scans, out, &|n| bar.set_position(n))?;
         bar.finish_and_clear();
         out.into_inner().map_err(|e| unwritable(&self.output, e))?.finish(&self.output)?;
         let seconds = started.elapsed().as_secs_f64();
