@@ -1,7 +1,8 @@
 //! What the methods' profiles share: distance and off-axis angle of a row of cells, logarithms; twin of
 //! `shaders/profile.wgsl`.
 //!
-//! Only + − × ÷ and sqrt, one polynomial for the angle and one for the logarithm, so that backends agree to a few ULP.
+//! Only + − × ÷ and sqrt, one polynomial for the angle and one for the logarithm, so that backends agree to a few ULP. The
+//! polynomials go by Estrin's scheme (1960): their chain of dependent operations is half as long as Horner's.
 
 use crate::cone::Row;
 use crate::layout::{Cone, Frame, TILE};
@@ -45,8 +46,10 @@ pub fn polar(frame: &Frame, cone: &Cone, row: &Row) -> ([f32; TILE], [f32; TILE]
 #[inline(always)]
 pub fn angle(t: f32) -> f32 {
     let w = t * t;
-    let p = ((((((TURN[6] * w + TURN[5]) * w + TURN[4]) * w + TURN[3]) * w) + TURN[2]) * w + TURN[1]) * w + TURN[0];
-    t * p
+    let w2 = w * w;
+    let low = (TURN[1] * w + TURN[0]) + w2 * (TURN[3] * w + TURN[2]);
+    let high = (TURN[5] * w + TURN[4]) + w2 * TURN[6];
+    t * (low + (w2 * w2) * high)
 }
 
 /// Natural logarithm of a positive normal number.
@@ -58,7 +61,7 @@ pub fn log(x: f32) -> f32 {
     let m = f32::from_bits((bits - (e << 23)) as u32);
     let t = (m - 1.0) / (m + 1.0);
     let w = t * t;
-    e as f32 * LN_2 + t * (((LOG[3] * w + LOG[2]) * w + LOG[1]) * w + LOG[0])
+    e as f32 * LN_2 + t * ((LOG[1] * w + LOG[0]) + (w * w) * (LOG[3] * w + LOG[2]))
 }
 
 /// Murphy's ½[(R − d)/R + (β − θ)/β] (2000, expressions 11.1 and 11.2), R the sensor's maximum range.

@@ -36,7 +36,7 @@ pub struct Measured {
     pub updates_per_second: f64,
     /// Readings a second, by the median.
     pub readings_per_second: f64,
-    /// Floating-point operations of an update ([`Cost`]).
+    /// Floating-point operations of an update ([`crate::method::Cost`]).
     pub flop: u32,
     /// Integer operations of an update.
     pub int: u32,
