@@ -57,6 +57,7 @@ impl Plan {
         let fit = plan.as_ref().map_err(Error::to_string).and_then(|p| {
             p.check_space(&session, &std::env::current_dir().unwrap_or_default(), false).map_err(|e| e.to_string())
         });
+        let why_not = fit.err();
         let (batch, bins) = plan.as_ref().map_or((1 << 14, 1 << 28), |p| (p.batch, p.bins));
         let bar = bar(session.survey.counts.used, "plan", self.json);
         let run = Run::begin(&session, batch, &folder, bins, &|n| bar.inc(n))?;
@@ -79,38 +80,33 @@ impl Plan {
                 seconds: before + passes as f64 / rate.max(1.0) + places.len() as f64 * chunk_seconds,
             });
         }
-        let shown = Shown { rounds: rounds.iter().map(|r| round(r)).collect(), places, binned, expected, batch };
-        let need = plan.as_ref().map_or(0, |p| p.needed);
-        let disk = plan.as_ref().map_or(0, |p| p.disk);
-        match self.json {
-            true => self.print_json(&session, &shown, need, disk, run.spilled(), &fit),
-            false => self.print(&session, &shown, need, disk, run.spilled(), &fit),
-        }
-        Ok(done(&session))
+        let rounds = rounds.iter().map(|r| round(r)).collect();
+        let (memory, disk) = plan.as_ref().map_or((0, 0), |p| (p.needed, p.disk));
+        self.show(
+            &session,
+            &Shown { rounds, places, binned, expected, batch, memory, disk, spilled: run.spilled(), why_not },
+        )
     }
 
     /// A method whose chunks must be resident together.
     fn resident(&self, session: &Session) -> Result<u8> {
         let need = session.memory(self.log.batch);
-        let fit = session.check_memory(need, self.memory).map_err(|e| e.to_string());
-        let steps: Vec<String> = session.method.sweeps().iter().map(|s| names(s)).collect();
-        let shown = Shown { rounds: steps, places: Vec::new(), binned: 0, expected: Vec::new(), batch: self.log.batch };
-        match self.json {
-            true => self.print_json(session, &shown, need, 0, 0, &fit),
-            false => self.print(session, &shown, need, 0, 0, &fit),
+        let why_not = session.check_memory(need, self.memory).map_err(|e| e.to_string()).err();
+        let rounds = session.method.sweeps().iter().map(|s| names(s)).collect();
+        let batch = self.log.batch;
+        self.show(session, &Shown { rounds, batch, memory: need, why_not, ..Shown::default() })
+    }
+
+    fn show(&self, session: &Session, shown: &Shown) -> Result<u8> {
+        if self.json {
+            self.print_json(session, shown);
+        } else {
+            self.print(session, shown);
         }
         Ok(done(session))
     }
 
-    fn print_json(
-        &self,
-        session: &Session,
-        shown: &Shown,
-        need: u64,
-        disk: u64,
-        spilled: u64,
-        fit: &std::result::Result<(), String>,
-    ) {
+    fn print_json(&self, session: &Session, shown: &Shown) {
         let grid = &session.grid;
         let chunk =
             |([row, column], readings): &(Place, u64)| json!({"row": row, "column": column, "readings": readings});
@@ -124,28 +120,20 @@ impl Plan {
             "cells": {"x0": tidy(grid.x0()), "y0": tidy(grid.y0()), "resolution": grid.resolution, "width": grid.width, "height": grid.height},
             "chunks": shown.places.iter().map(chunk).collect::<Vec<_>>(),
             "binned": shown.binned,
-            "spilled": spilled,
+            "spilled": shown.spilled,
             "batch": shown.batch,
             "rounds": shown.rounds,
-            "memory": need,
-            "disk": disk,
-            "fits": fit.is_ok(),
-            "why_not": fit.as_ref().err(),
+            "memory": shown.memory,
+            "disk": shown.disk,
+            "fits": shown.why_not.is_none(),
+            "why_not": shown.why_not,
             "available": memory::available(),
             "expected": shown.expected,
         });
         say!("{}", serde_json::to_string_pretty(&plan).unwrap_or_default());
     }
 
-    fn print(
-        &self,
-        session: &Session,
-        shown: &Shown,
-        need: u64,
-        disk: u64,
-        spilled: u64,
-        fit: &std::result::Result<(), String>,
-    ) {
+    fn print(&self, session: &Session, shown: &Shown) {
         let (grid, counts) = (&session.grid, &session.survey.counts);
         say!("log       {}, {}", session.log.header().format, count(session.sensors().len() as u64, "sensor"));
         say!(
@@ -173,7 +161,7 @@ impl Plan {
                 whole::places(grid).count(),
                 shown.binned,
                 shown.batch,
-                show(spilled)
+                show(shown.spilled)
             );
             say!("          the busiest, column {column} row {row}, has {most}");
         }
@@ -181,9 +169,9 @@ impl Plan {
             say!("round {}   {steps}", k + 1);
         }
         let free = memory::available().map(|f| format!(", of {} free", show(f))).unwrap_or_default();
-        say!("memory    about {}{free}", show(need));
-        if disk > 0 {
-            say!("disk      {} and the compressed layers", show(disk));
+        say!("memory    about {}{free}", show(shown.memory));
+        if shown.disk > 0 {
+            say!("disk      {} and the compressed layers", show(shown.disk));
         }
         for e in &shown.expected {
             say!(
@@ -195,7 +183,7 @@ impl Plan {
                 e.adapter
             );
         }
-        if let Err(e) = fit {
+        if let Some(e) = &shown.why_not {
             say!("does not fit: {e}");
         }
         for (key, value) in parameters(session) {
@@ -205,12 +193,21 @@ impl Plan {
 }
 
 /// What both kinds of output show.
+#[derive(Default)]
 struct Shown {
     rounds: Vec<String>,
     places: Vec<(Place, u64)>,
     binned: u64,
     expected: Vec<Expected>,
     batch: usize,
+    /// Bytes that the run needs at once.
+    memory: u64,
+    /// Bytes of the outputs that aren't compressed.
+    disk: u64,
+    /// Bytes of bins that went to disk.
+    spilled: u64,
+    /// What the run lacks.
+    why_not: Option<String>,
 }
 
 /// Seconds to write a chunk.
