@@ -156,11 +156,8 @@ impl<'a> Run<'a> {
 
     /// The rounds before the last: each reading's sum, or count, over all chunks.
     pub fn gather(&mut self, backend: &mut dyn Backend, progress: &dyn Fn(u64)) -> Result<()> {
-        let rounds = self.method.rounds().unwrap_or_default();
-        for round in rounds.iter().rev().skip(1).rev() {
-            self.round(backend, round, &self.places(), progress, None)?;
-        }
-        Ok(())
+        let [before @ .., _] = self.method.rounds().unwrap_or_default() else { return Ok(()) };
+        before.iter().try_for_each(|round| self.round(backend, round, &self.places(), progress, None))
     }
 
     /// The last round: each chunk but those `done` is run to its end and given to `take`, in order, on a thread of its own.
@@ -235,10 +232,12 @@ impl<'a> Run<'a> {
             };
             let worked = work();
             drop(finished);
-            let _ = reader.join();
-            let taken = taker
-                .map_or(Ok(()), |t| t.join().unwrap_or_else(|_| Err(Error::Resources("a chunk's writer died".into()))));
-            worked.and(taken)
+            // A thread that died closed its channel, which looks like an end.
+            let died =
+                |who: &str| Error::Resources(format!("{who} died; this is a defect of echogrid: please report it"));
+            let read = reader.join().map_err(|_| died("the chunks' reader"));
+            let taken = taker.map_or(Ok(()), |t| t.join().unwrap_or_else(|_| Err(died("the chunks' writer"))));
+            worked.and(read).and(taken)
         });
         self.found = found;
         result

@@ -3,38 +3,22 @@
 use crate::common::Place;
 use echogrid::method::REGISTRY;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// Every file of a map by its path; the report without what may differ.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut all = BTreeMap::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(next) = open.pop() {
-        for entry in std::fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-                continue;
-            }
-            let name = path.strip_prefix(folder).unwrap().display().to_string();
-            let mut bytes = std::fs::read(&path).unwrap();
-            if name == "report.json" {
-                let mut report: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
-                for key in ["seconds", "peak_memory", "adapter"] {
-                    report.as_object_mut().unwrap().remove(key).unwrap();
-                }
-                report["log"].as_object_mut().unwrap().remove("path").unwrap();
-                bytes = serde_json::to_vec(&report).unwrap();
-            }
-            all.insert(name, bytes);
-        }
+fn files(place: &Place, folder: &str) -> BTreeMap<String, Vec<u8>> {
+    let mut all = place.files(folder);
+    let mut report: serde_json::Value = serde_json::from_slice(&all["report.json"]).unwrap();
+    for key in ["seconds", "peak_memory", "adapter"] {
+        report.as_object_mut().unwrap().remove(key).unwrap();
     }
+    report["log"].as_object_mut().unwrap().remove("path").unwrap();
+    all.insert("report.json".into(), serde_json::to_vec(&report).unwrap());
     all
 }
 
 #[track_caller]
 fn same(place: &Place, a: &str, b: &str) {
-    let (a, b) = (files(&place.path(a)), files(&place.path(b)));
+    let (a, b) = (files(place, a), files(place, b));
     assert!(a.len() > 10 && a.keys().eq(b.keys()), "{:?} and {:?}", a.keys(), b.keys());
     for (name, bytes) in &a {
         assert!(b[name] == *bytes, "{name} differs");
@@ -63,6 +47,6 @@ fn runs_batches_and_threads() {
     }
     // And what differs is found to differ.
     place.does(&["map", "room.jsonl", "-o", "twice", "-m", "himm", "--until", "99", "--backend", "cpu", "--npy"]);
-    let (a, b) = (files(&place.path("once")), files(&place.path("twice")));
+    let (a, b) = (files(&place, "once"), files(&place, "twice"));
     assert_ne!(a["report.json"], b["report.json"]);
 }

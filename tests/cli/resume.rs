@@ -1,7 +1,7 @@
 //! A killed run goes on where it was, and ends with the bytes of one that wasn't killed.
 
 use crate::common::Place;
-use std::path::Path;
+use std::collections::BTreeMap;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -13,19 +13,9 @@ fn map(place: &Place, more: &[&str]) -> Command {
 }
 
 /// Every file of a folder but the report, by its path.
-fn files(folder: &Path) -> std::collections::BTreeMap<String, Vec<u8>> {
-    let mut all = std::collections::BTreeMap::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(next) = open.pop() {
-        for entry in std::fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else if !path.ends_with("report.json") {
-                all.insert(path.strip_prefix(folder).unwrap().display().to_string(), std::fs::read(&path).unwrap());
-            }
-        }
-    }
+fn files(place: &Place, folder: &str) -> BTreeMap<String, Vec<u8>> {
+    let mut all = place.files(folder);
+    all.remove("report.json");
     all
 }
 
@@ -79,18 +69,14 @@ fn killed_three_times_it_ends_with_the_same_bytes() {
     std::fs::write(place.path("campus.jsonl"), &log).unwrap();
 
     assert!(map(&place, &["--resume"]).status().unwrap().success());
-    let (a, b) = (files(&place.path("unbroken")), files(&place.path("out")));
+    let (a, b) = (files(&place, "unbroken"), files(&place, "out"));
     assert!(a.len() > 100 && a.keys().eq(b.keys()), "{:?} and {:?}", a.keys().count(), b.keys().count());
     for (name, bytes) in &a {
         assert!(b[name] == *bytes, "{name} differs");
     }
     assert!(!place.path("out.partial").exists());
     // And its report counts all of it.
-    let report = |name: &str| {
-        let text = std::fs::read(place.path(name)).unwrap();
-        serde_json::from_slice::<serde_json::Value>(&text).unwrap()
-    };
-    let (a, b) = (report("unbroken/report.json"), report("out/report.json"));
+    let (a, b) = (place.report("unbroken"), place.report("out"));
     for key in ["cells", "layers", "updates", "readings"] {
         assert_eq!(a[key], b[key], "{key}");
     }
