@@ -5,7 +5,9 @@
 //! polynomials go by Estrin's scheme (1960): their chain of dependent operations is half as long as Horner's.
 
 use crate::cone::Row;
-use crate::layout::{Cone, Frame, TILE};
+use crate::layout::{Cone, Frame};
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16, u32x16};
 
 /// 2·atan(t)/t in powers of t², |t| ≤ tan 30°: relative error below 4e-9.
 const TURN: [f32; 7] = [2.0, -0.666_665_85, 0.399_958_55, -0.284_939_02, 0.215_172_74, -0.147_496_77, 0.062_183_54];
@@ -16,56 +18,55 @@ const LOG: [f32; 4] = [2.0, 0.666_668_2, 0.399_748, 0.299_255_94];
 /// ln 2.
 const LN_2: f32 = std::f32::consts::LN_2;
 
-/// The larger; one instruction where `f32::max` takes three to mind NaN.
+/// The bits of 1. A plane of numbers that start at 1 holds their bits ⊕ these, so that an untouched map is zeros.
+pub const ONE: u32 = 1f32.to_bits();
+
+/// Numbers that start at 1, from their plane.
 #[inline(always)]
-pub fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
+pub fn from_one<S: Simd>(words: u32x16<S>) -> f32x16<S> {
+    (words ^ ONE).bitcast()
 }
 
-/// The smaller, likewise.
+/// And back.
 #[inline(always)]
-pub fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
+pub fn to_one<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
+    numbers.bitcast::<u32x16<S>>() ^ ONE
 }
 
 /// Distance of each cell, metres, and its off-axis angle over β (0 for a laser).
 #[inline(always)]
-pub fn polar(frame: &Frame, cone: &Cone, row: &Row) -> ([f32; TILE], [f32; TILE]) {
-    let (mut distance, mut turn) = ([0.0; TILE], [0.0; TILE]);
-    for k in 0..TILE {
-        let d = row.d2[k].sqrt();
-        // tan(θ/2) = |a × v| / (|a||v| + a·v): no cancellation anywhere, and one division.
-        let t = row.across[k] / max(cone.shape[0] * d + row.along[k], 1.0);
-        distance[k] = d * frame.scale;
-        turn[k] = angle(t) * cone.shape[1];
-    }
-    (distance, turn)
+pub fn polar<S: Simd>(frame: &Frame, cone: &Cone, row: &Row<S>) -> (f32x16<S>, f32x16<S>) {
+    let d = row.d2.sqrt();
+    // tan(θ/2) = |a × v| / (|a||v| + a·v): no cancellation anywhere, and one division.
+    let t = row.across / (d * cone.shape[0] + row.along).max(1.0);
+    (d * frame.scale, angle(t) * cone.shape[1])
 }
 
-/// θ from tan(θ/2).
+/// θ from tan(θ/2), |t| ≤ tan 30°.
 #[inline(always)]
-pub fn angle(t: f32) -> f32 {
+pub fn angle<S: Simd>(t: f32x16<S>) -> f32x16<S> {
     let w = t * t;
     let w2 = w * w;
-    let low = (TURN[1] * w + TURN[0]) + w2 * (TURN[3] * w + TURN[2]);
-    let high = (TURN[5] * w + TURN[4]) + w2 * TURN[6];
+    let low = (w * TURN[1] + TURN[0]) + w2 * (w * TURN[3] + TURN[2]);
+    let high = (w * TURN[5] + TURN[4]) + w2 * TURN[6];
     t * (low + (w2 * w2) * high)
 }
 
-/// Natural logarithm of a positive normal number.
+/// Natural logarithm of positive normal numbers.
 #[inline(always)]
-pub fn log(x: f32) -> f32 {
+pub fn log<S: Simd>(x: f32x16<S>) -> f32x16<S> {
     // x = m·2^e with m in [√½, √2).
-    let bits = x.to_bits() as i32;
+    let bits: i32x16<S> = x.bitcast();
     let e = (bits - 0x3f35_04f3) >> 23;
-    let m = f32::from_bits((bits - (e << 23)) as u32);
+    let m: f32x16<S> = (bits - (e << 23)).bitcast();
     let t = (m - 1.0) / (m + 1.0);
     let w = t * t;
-    e as f32 * LN_2 + t * ((LOG[1] * w + LOG[0]) + (w * w) * (LOG[3] * w + LOG[2]))
+    e.to_float::<f32x16<S>>() * LN_2 + t * ((w * LOG[1] + LOG[0]) + (w * w) * (w * LOG[3] + LOG[2]))
 }
 
 /// Murphy's ½[(R − d)/R + (β − θ)/β] (2000, expressions 11.1 and 11.2), R the sensor's maximum range.
 #[inline(always)]
-pub fn murphy(per_range: f32, d: f32, turn: f32) -> f32 {
-    0.5 * ((1.0 - min(d * per_range, 1.0)) + max(1.0 - turn, 0.0))
+pub fn murphy<S: Simd>(per_range: f32, d: f32x16<S>, turn: f32x16<S>) -> f32x16<S> {
+    let one = f32x16::splat(d.token(), 1.0);
+    ((one - (d * per_range).min(1.0)) + (one - turn).max(0.0)) * 0.5
 }

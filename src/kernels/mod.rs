@@ -74,15 +74,8 @@ pub trait Backend {
 
 /// A chunk of cells that no reading has reached.
 pub fn fresh_chunk(method: &dyn Method) -> Vec<u32> {
-    if method.start().iter().all(|word| *word == 0) {
-        // Zeros come from the system as needed: tiles that no reading reaches cost no memory.
-        return vec![0; method::tile_words(method) * layout::CHUNK * layout::CHUNK];
-    }
-    let mut tile = vec![0; method::tile_words(method)];
-    for (plane, start) in method.start().iter().enumerate() {
-        tile[(plane + 2) * layout::TILE_CELLS..][..layout::TILE_CELLS].fill(*start);
-    }
-    tile.repeat(layout::CHUNK * layout::CHUNK)
+    // Zeros come from the system as needed: tiles that no reading reaches cost no memory.
+    vec![0; method::tile_words(method) * layout::CHUNK * layout::CHUNK]
 }
 
 /// Each reading's share from its count of arc cells.

@@ -1,18 +1,21 @@
 //! Bayesian occupancy grid (Elfes 1989; likelihoods of Murphy 2000, expressions 11.1 to 11.6); twin of
 //! `shaders/method/bayes.wgsl`.
 //!
-//! A cell keeps the log odds of occupied. Murphy's profile needs a logarithm a cell update, its main cost. The constant model,
-//! for lasers, needs nothing but the two counts that every method keeps: exact, whatever the order.
+//! A cell keeps the pair that Murphy's book keeps, not normalised: the products of the likelihoods given occupied and given empty.
+//! The logarithm of their ratio is the log odds, taken once, on the host: an update is two products. The constant model, for
+//! lasers, needs nothing but the two counts that every method keeps: exact, whatever the order.
 
 use super::settings::{Bayes, Likelihood, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::kernels::cpu::{Job, Kernel, plane, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
-use crate::profile::{log, max, min, murphy, polar};
+use crate::profile::{ONE, from_one, murphy, polar, to_one};
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 
 /// The registry's line.
 pub const ENTRY: Entry = Entry {
@@ -31,15 +34,41 @@ pub const ENTRY: Entry = Entry {
 const LEAST: f32 = 0.02;
 const MOST: f32 = 0.98;
 
-/// What a reading adds to the log odds of occupied, by Murphy's profile.
+/// Below this a product of likelihoods is scaled up, by a power of two.
+const SMALL: f32 = 1.0 / (1u64 << 60) as f32;
+/// By which: 1 / [`SMALL`].
+const SCALE: f32 = (1u64 << 60) as f32;
+
+/// The products of a row's likelihoods.
+#[derive(Debug, Clone, Copy)]
+pub struct Cells<S: Simd> {
+    /// Π P(s|occupied).
+    occupied: f32x16<S>,
+    /// Π P(s|empty).
+    empty: f32x16<S>,
+    /// How often `empty` was scaled up, less how often `occupied` was.
+    scale: i32x16<S>,
+}
+
+/// P(s|occupied) on the arc (region I), P(s|empty) in the interior (region II), by Murphy's profile.
 #[inline(always)]
-fn evidence(frame: &Frame, near: f32, arc: bool) -> f32 {
+fn likelihood<S: Simd>(frame: &Frame, near: f32x16<S>, arc: mask32x16<S>) -> f32x16<S> {
     let [max_occ, floor_one, floor_two, _] = frame.constants[0];
-    // Region I: P(s|occupied); region II: P(s|empty).
-    let p = if arc { max(near * max_occ, floor_one) } else { max(near, floor_two) };
-    let p = min(max(p, LEAST), MOST);
-    let l = log(p / (1.0 - p));
-    if arc { l } else { -l }
+    let region = arc.select((near * max_occ).max(floor_one), near.max(floor_two));
+    region.max(LEAST).min(MOST)
+}
+
+/// Scales up what has become small: no product is ever 0, and scaling is exact.
+#[inline(always)]
+fn scaled<S: Simd>(cells: Cells<S>) -> Cells<S> {
+    let Cells { occupied, empty, scale } = cells;
+    let (few, rare) = (occupied.simd_lt(SMALL), empty.simd_lt(SMALL));
+    let scale = few.select(scale - 1, scale);
+    Cells {
+        occupied: few.select(occupied * SCALE, occupied),
+        empty: rare.select(empty * SCALE, empty),
+        scale: rare.select(scale + 1, scale),
+    }
 }
 
 const fn layer(name: &'static str, about: &'static str, fill: f32, scale: Scale) -> LayerSpec {
@@ -54,27 +83,36 @@ const LAYERS: &[LayerSpec] = &[
 ];
 
 impl Kernel for Bayes {
-    type Cells = [f32; TILE];
+    type Cells<S: Simd> = Cells<S>;
 
     #[inline(always)]
-    fn load(planes: &[[u32; TILE]], row: usize) -> [f32; TILE] {
-        planes[row].map(f32::from_bits)
+    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Cells<S> {
+        let (occupied, empty) = (plane(simd, planes, 0, row), plane(simd, planes, 1, row));
+        Cells { occupied: from_one(occupied), empty: from_one(empty), scale: plane(simd, planes, 2, row).bitcast() }
     }
 
     #[inline(always)]
-    fn store(cells: &[f32; TILE], planes: &mut [[u32; TILE]], row: usize) {
-        planes[row] = cells.map(f32::to_bits);
+    fn store<S: Simd>(cells: Cells<S>, planes: &mut [[u32; TILE]], row: usize) {
+        to_one(cells.occupied).store_array(&mut planes[row]);
+        to_one(cells.empty).store_array(&mut planes[TILE + row]);
+        cells.scale.bitcast::<u32x16<S>>().store_array(&mut planes[2 * TILE + row]);
     }
 
     #[inline(always)]
-    fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, _: &[u32; 4], odds: &mut [f32; TILE]) {
+    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, _: &[u32; 4], cells: &mut Cells<S>) {
         if self.model == Likelihood::Constant {
             return;
         }
         let (d, turn) = polar(frame, cone, row);
-        for k in 0..TILE {
-            let l = evidence(frame, murphy(cone.profile[0], d[k], turn[k]), row.arc[k] != 0);
-            odds[k] += if row.interior[k] | row.arc[k] != 0 { l } else { 0.0 };
+        let p = likelihood(frame, murphy(cone.profile[0], d, turn), row.arc);
+        let other = f32x16::splat(p.token(), 1.0) - p;
+        let member = row.interior | row.arc;
+        let occupied = cells.occupied * row.arc.select(p, other);
+        let empty = cells.empty * row.arc.select(other, p);
+        cells.occupied = member.select(occupied, cells.occupied);
+        cells.empty = member.select(empty, cells.empty);
+        if cells.occupied.min(cells.empty).simd_lt(SMALL).any_true() {
+            *cells = scaled(*cells);
         }
     }
 }
@@ -84,8 +122,8 @@ impl Method for Bayes {
         Settings::Bayes(*self)
     }
 
-    fn start(&self) -> &'static [u32] {
-        &[0]
+    fn planes(&self) -> usize {
+        3
     }
 
     fn sweeps(&self) -> &'static [&'static [Step]] {
@@ -111,7 +149,10 @@ impl Method for Bayes {
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
         let logit = |p: f64| (p / (1.0 - p)).ln();
         let odds = match self.model {
-            Likelihood::Murphy => f64::from(f32::from_bits(words[2])),
+            Likelihood::Murphy => {
+                let [occupied, empty] = [words[2], words[3]].map(|word| f64::from(f32::from_bits(word ^ ONE)));
+                (occupied / empty).ln() + f64::from(words[4].cast_signed()) * f64::from(SCALE).ln()
+            }
             Likelihood::Constant => f64::from(words[1]) * logit(self.p_hit) + f64::from(words[0]) * logit(self.p_miss),
         };
         let p = 1.0 / (1.0 + (-odds).exp());

@@ -12,11 +12,13 @@ use super::settings::{Certainty, Order, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::kernels::cpu::{Job, Kernel, plane, walk};
 use crate::layout::{COUNT, Cone, FREE, Frame, OCCUPY, TILE};
-use crate::profile::{max, min, polar};
+use crate::profile::{ONE, from_one, polar, to_one};
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16};
 
 /// The registry's line.
 pub const ENTRY: Entry = Entry {
@@ -38,42 +40,51 @@ const UNITS: f32 = 9.007_199e15;
 
 /// The complements of a row's certainties.
 #[derive(Debug, Clone, Copy)]
-pub struct Cells {
+pub struct Cells<S: Simd> {
     /// 1 − Emp.
-    open: [f32; TILE],
+    open: f32x16<S>,
     /// 1 − Occ.
-    clear: [f32; TILE],
+    clear: f32x16<S>,
 }
 
 /// 1 − Emp_k, without cancellation: Emp_k = (1 − p²)(1 − t²), p = (d − r_min)/(R − ε − r_min), t = θ/β.
 #[inline(always)]
-fn not_emp(profile: [f32; 4], d: f32, turn: f32) -> f32 {
-    let p = max(d - profile[0], 0.0) * profile[1];
-    let p2 = min(p * p, 1.0);
-    let t2 = min(turn * turn, 1.0);
-    p2 + t2 * (1.0 - p2)
+fn not_emp<S: Simd>(profile: [f32; 4], d: f32x16<S>, turn: f32x16<S>) -> f32x16<S> {
+    let one = f32x16::splat(d.token(), 1.0);
+    let p = (d - profile[0]).max(0.0) * profile[1];
+    let p2 = (p * p).min(1.0);
+    let t2 = (turn * turn).min(1.0);
+    p2 + t2 * (one - p2)
 }
 
-/// The complement of E + (e − E·e), from those of E and of e: their product, and where E is nearly 1 what f64 makes of it:
-/// the bracket is rounded to the last place of e, the sum to that of E, both half to even.
+/// The complement of E + (e − E·e), from those of E and of e: their product, and where E is nearly 1 what f64 makes of it.
 #[inline(always)]
-fn enhanced(rest: f32, not_e: f32) -> f32 {
-    let e = 1.0 - not_e;
-    let exponent = ((e.to_bits() >> 23) as i32).min(126);
-    let place = f32::from_bits(((exponent + 1) << 23) as u32);
-    let per_place = f32::from_bits(((253 - exponent) << 23) as u32);
+fn enhanced<S: Simd>(rest: f32x16<S>, not_e: f32x16<S>) -> f32x16<S> {
+    let product = rest * not_e;
+    let nearly = rest.min(product).simd_lt(NEARLY);
+    // Most rows have no such cell.
+    if nearly.any_true() { nearly.select(in_units(rest, not_e), product) } else { product }
+}
+
+/// The same near certainty: the bracket is rounded to the last place of e, the sum to that of E, both half to even.
+#[inline(always)]
+fn in_units<S: Simd>(rest: f32x16<S>, not_e: f32x16<S>) -> f32x16<S> {
+    let e = f32x16::splat(rest.token(), 1.0) - not_e;
+    let exponent = (e.bitcast::<i32x16<S>>() >> 23).min(126);
+    let place: f32x16<S> = ((exponent + 1) << 23).bitcast();
+    let per_place: f32x16<S> = ((i32x16::splat(rest.token(), 253) - exponent) << 23).bitcast();
     let units = rest * UNITS;
     let gone = (e * units * per_place).round_ties_even() * place;
-    let product = rest * not_e;
-    let left = if rest < NEARLY { units - gone } else { product * UNITS };
-    if min(rest, product) < NEARLY { left.round_ties_even() * (1.0 / UNITS) } else { product }
+    let left = rest.simd_lt(NEARLY).select(units - gone, rest * not_e * UNITS);
+    left.round_ties_even() * (1.0 / UNITS)
 }
 
 /// Occ_k = (1 − ((d − R)/ε)²)(1 − t²).
 #[inline(always)]
-fn occ(profile: [f32; 4], d: f32, turn: f32) -> f32 {
+fn occ<S: Simd>(profile: [f32; 4], d: f32x16<S>, turn: f32x16<S>) -> f32x16<S> {
+    let one = f32x16::splat(d.token(), 1.0);
     let e = (d - profile[2]) * profile[3];
-    max(1.0 - e * e, 0.0) * max(1.0 - turn * turn, 0.0)
+    (one - e * e).max(0.0) * (one - turn * turn).max(0.0)
 }
 
 const GREY: Scale = Scale::Grey { low: 0.0, high: 1.0 };
@@ -91,50 +102,45 @@ const LAYERS: &[LayerSpec] = &[
 
 /// 1 − Occ_k/Σ Occ_k: 0 for a cell that has all of it, 1 for every cell if there is none.
 #[inline(always)]
-fn not_normalised(evidence: f32, sum: f32) -> f32 {
-    let part = if evidence < sum { evidence / sum } else { 1.0 };
-    if sum > 0.0 { 1.0 - part } else { 1.0 }
+fn not_normalised<S: Simd>(evidence: f32x16<S>, sum: f32) -> f32x16<S> {
+    let one = f32x16::splat(evidence.token(), 1.0);
+    let part = evidence.simd_lt(sum).select(evidence / sum, one);
+    if sum > 0.0 { one - part } else { one }
 }
 
 impl Kernel for Certainty {
-    type Cells = Cells;
+    type Cells<S: Simd> = Cells<S>;
 
     #[inline(always)]
-    fn load(planes: &[[u32; TILE]], row: usize) -> Cells {
-        Cells { open: planes[row].map(f32::from_bits), clear: planes[TILE + row].map(f32::from_bits) }
+    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Cells<S> {
+        Cells { open: from_one(plane(simd, planes, 0, row)), clear: from_one(plane(simd, planes, 1, row)) }
     }
 
     #[inline(always)]
-    fn store(cells: &Cells, planes: &mut [[u32; TILE]], row: usize) {
-        planes[row] = cells.open.map(f32::to_bits);
-        planes[TILE + row] = cells.clear.map(f32::to_bits);
+    fn store<S: Simd>(cells: Cells<S>, planes: &mut [[u32; TILE]], row: usize) {
+        to_one(cells.open).store_array(&mut planes[row]);
+        to_one(cells.clear).store_array(&mut planes[TILE + row]);
     }
 
     #[inline(always)]
-    fn weigh(&self, frame: &Frame, cone: &Cone, row: &Row, cells: &mut Cells) -> [f32; TILE] {
+    fn weigh<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, cells: &mut Cells<S>) -> f32x16<S> {
         let (d, turn) = polar(frame, cone, row);
-        let free = frame.mode & FREE != 0;
-        let mut evidence = [0.0; TILE];
-        for k in 0..TILE {
-            let open = enhanced(cells.open[k], not_emp(cone.profile, d[k], turn[k]));
-            cells.open[k] = if (row.interior[k] != 0) & free { open } else { cells.open[k] };
-            let occupied = occ(cone.profile, d[k], turn[k]) * cells.open[k];
-            evidence[k] = if row.arc[k] != 0 { occupied } else { 0.0 };
+        if frame.mode & FREE != 0 {
+            let open = enhanced(cells.open, not_emp(cone.profile, d, turn));
+            cells.open = row.interior.select(open, cells.open);
         }
-        evidence
+        let occupied = occ(cone.profile, d, turn) * cells.open;
+        row.arc.select(occupied, f32x16::splat(occupied.token(), 0.0))
     }
 
     #[inline(always)]
-    fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, share: &[u32; 4], cells: &mut Cells) {
+    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, share: &[u32; 4], cells: &mut Cells<S>) {
         let evidence = self.weigh(frame, cone, row, cells);
-        if frame.mode & OCCUPY == 0 {
+        if frame.mode & OCCUPY == 0 || !row.arc.any_true() {
             return;
         }
-        let sum = f32::from_bits(share[0]);
-        for k in 0..TILE {
-            let clear = enhanced(cells.clear[k], not_normalised(evidence[k], sum));
-            cells.clear[k] = if row.arc[k] != 0 { clear } else { cells.clear[k] };
-        }
+        let clear = enhanced(cells.clear, not_normalised(evidence, f32::from_bits(share[0])));
+        cells.clear = row.arc.select(clear, cells.clear);
     }
 }
 
@@ -143,9 +149,8 @@ impl Method for Certainty {
         Settings::Certainty(*self)
     }
 
-    fn start(&self) -> &'static [u32] {
-        const ONE: u32 = 1f32.to_bits();
-        &[ONE, ONE]
+    fn planes(&self) -> usize {
+        2
     }
 
     fn sweeps(&self) -> &'static [&'static [Step]] {
@@ -186,7 +191,7 @@ impl Method for Certainty {
     }
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
-        let (open, clear) = (f32::from_bits(words[2]), f32::from_bits(words[3]));
+        let (open, clear) = (f32::from_bits(words[2] ^ ONE), f32::from_bits(words[3] ^ ONE));
         let (emp, occ) = (1.0 - open, 1.0 - clear);
         let occupied = clear <= open;
         layers.copy_from_slice(&[emp, occ, if occupied { occ } else { -emp }]);

@@ -7,12 +7,14 @@ use super::settings::{DempsterShafer, MassModel, Rho, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::cone::Row;
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::kernels::cpu::{Job, Kernel, plane, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
-use crate::profile::{log, max, min, murphy, polar};
+use crate::profile::{log, murphy, polar};
 use crate::reading::Outcome;
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, mask32x16, u32x16};
 
 /// The registry's line.
 pub const ENTRY: Entry = Entry {
@@ -36,26 +38,25 @@ const TIE: f64 = 1e-6;
 
 /// A row's sums: −Σ ln(1 − e) and −Σ ln(1 − f), low and high words.
 #[derive(Debug, Clone, Copy)]
-pub struct Cells {
-    empty: [[u32; TILE]; 2],
-    full: [[u32; TILE]; 2],
+pub struct Cells<S: Simd> {
+    empty: [u32x16<S>; 2],
+    full: [u32x16<S>; 2],
 }
 
 /// −ln(1 − m) in units of 2⁻²⁴.
 #[inline(always)]
-fn weight(m: f32) -> u32 {
-    (-log(1.0 - m) * LOG_ONE + 0.5) as u32
+fn weight<S: Simd>(m: f32x16<S>) -> u32x16<S> {
+    let one = f32x16::splat(m.token(), 1.0);
+    (-log(one - m) * LOG_ONE + 0.5).to_int()
 }
 
 /// 64-bit sum += addend, where `on`.
 #[inline(always)]
-fn add(sum: &mut [[u32; TILE]; 2], addend: [[u32; TILE]; 2], on: [u32; TILE]) {
-    for k in 0..TILE {
-        let low = sum[0][k].wrapping_add(if on[k] != 0 { addend[0][k] } else { 0 });
-        let high = if on[k] != 0 { addend[1][k] } else { 0 } + u32::from(low < sum[0][k]);
-        sum[0][k] = low;
-        sum[1][k] = sum[1][k].wrapping_add(high);
-    }
+fn add<S: Simd>(sum: &mut [u32x16<S>; 2], addend: [u32x16<S>; 2], on: mask32x16<S>) {
+    let low = sum[0] + addend[0];
+    let carried = on & low.simd_lt(sum[0]);
+    let high = on.select(sum[1] + addend[1], sum[1]);
+    *sum = [on.select(low, sum[0]), carried.select(high + 1, high)];
 }
 
 const fn layer(name: &'static str, about: &'static str, fill: f32, high: f64) -> LayerSpec {
@@ -71,41 +72,37 @@ const LAYERS: &[LayerSpec] = &[
 ];
 
 impl Kernel for DempsterShafer {
-    type Cells = Cells;
+    type Cells<S: Simd> = Cells<S>;
 
     #[inline(always)]
-    fn load(planes: &[[u32; TILE]], row: usize) -> Cells {
-        let plane = |p: usize| planes[p * TILE + row];
-        Cells { empty: [plane(0), plane(1)], full: [plane(2), plane(3)] }
+    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Cells<S> {
+        let empty = [plane(simd, planes, 0, row), plane(simd, planes, 1, row)];
+        Cells { empty, full: [plane(simd, planes, 2, row), plane(simd, planes, 3, row)] }
     }
 
     #[inline(always)]
-    fn store(cells: &Cells, planes: &mut [[u32; TILE]], row: usize) {
-        planes[row] = cells.empty[0];
-        planes[TILE + row] = cells.empty[1];
-        planes[2 * TILE + row] = cells.full[0];
-        planes[3 * TILE + row] = cells.full[1];
+    fn store<S: Simd>(cells: Cells<S>, planes: &mut [[u32; TILE]], row: usize) {
+        cells.empty[0].store_array(&mut planes[row]);
+        cells.empty[1].store_array(&mut planes[TILE + row]);
+        cells.full[0].store_array(&mut planes[2 * TILE + row]);
+        cells.full[1].store_array(&mut planes[3 * TILE + row]);
     }
 
     #[inline(always)]
-    fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, share: &[u32; 4], cells: &mut Cells) {
+    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, share: &[u32; 4], cells: &mut Cells<S>) {
         if self.model == MassModel::Pagac {
-            add(&mut cells.empty, [[share[0]; TILE], [share[1]; TILE]], row.interior);
-            add(&mut cells.full, [[share[2]; TILE], [share[3]; TILE]], row.arc);
+            let simd = row.d2.token();
+            add(&mut cells.empty, [u32x16::splat(simd, share[0]), u32x16::splat(simd, share[1])], row.interior);
+            add(&mut cells.full, [u32x16::splat(simd, share[2]), u32x16::splat(simd, share[3])], row.arc);
             return;
         }
         let [max_occ, cap, ..] = frame.constants[0];
         let (d, turn) = polar(frame, cone, row);
-        let (mut low, mut high) = ([0; TILE], [0; TILE]);
-        for k in 0..TILE {
-            let near = murphy(cone.profile[0], d[k], turn[k]);
-            let m = if row.arc[k] != 0 { near * max_occ } else { near };
-            let w = weight(min(max(m, 0.0), cap));
-            low[k] = w << 16;
-            high[k] = w >> 16;
-        }
-        add(&mut cells.empty, [low, high], row.interior);
-        add(&mut cells.full, [low, high], row.arc);
+        let near = murphy(cone.profile[0], d, turn);
+        let m = row.arc.select(near * max_occ, near);
+        let w = weight(m.max(0.0).min(cap));
+        add(&mut cells.empty, [w << 16, w >> 16], row.interior);
+        add(&mut cells.full, [w << 16, w >> 16], row.arc);
     }
 }
 
@@ -114,8 +111,8 @@ impl Method for DempsterShafer {
         Settings::DempsterShafer(*self)
     }
 
-    fn start(&self) -> &'static [u32] {
-        &[0, 0, 0, 0]
+    fn planes(&self) -> usize {
+        4
     }
 
     fn sweeps(&self) -> &'static [&'static [Step]] {

@@ -12,6 +12,8 @@ use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
 use crate::snap::Footprint;
+use fearless_simd::prelude::*;
+use fearless_simd::u32x16;
 
 /// The registry's line.
 pub const ENTRY: Entry = Entry {
@@ -43,28 +45,25 @@ const LAYERS: &[LayerSpec] = &[LayerSpec {
 }];
 
 impl Kernel for Himm {
-    type Cells = [u32; TILE];
+    type Cells<S: Simd> = u32x16<S>;
 
     const AXIS: bool = true;
 
     #[inline(always)]
-    fn load(planes: &[[u32; TILE]], row: usize) -> [u32; TILE] {
-        planes[row]
+    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> u32x16<S> {
+        u32x16::load_array(simd, planes[row])
     }
 
     #[inline(always)]
-    fn store(cells: &[u32; TILE], planes: &mut [[u32; TILE]], row: usize) {
-        planes[row] = *cells;
+    fn store<S: Simd>(cells: u32x16<S>, planes: &mut [[u32; TILE]], row: usize) {
+        cells.store_array(&mut planes[row]);
     }
 
     #[inline(always)]
-    fn fuse(&self, _: &Frame, _: &Cone, row: &Row, _: &[u32; 4], cells: &mut [u32; TILE]) {
-        for k in 0..TILE {
-            let less = cells[k].max(ONE) - ONE;
-            let more = (cells[k] + HIT).min(MOST);
-            cells[k] = if row.interior[k] != 0 { less } else { cells[k] };
-            cells[k] = if row.arc[k] != 0 { more } else { cells[k] };
-        }
+    fn fuse<S: Simd>(&self, _: &Frame, _: &Cone, row: &Row<S>, _: &[u32; 4], cells: &mut u32x16<S>) {
+        let less = cells.max(ONE) - ONE;
+        let more = (*cells + HIT).min(MOST);
+        *cells = row.arc.select(more, row.interior.select(less, *cells));
     }
 }
 
@@ -73,8 +72,8 @@ impl Method for Himm {
         Settings::Himm(*self)
     }
 
-    fn start(&self) -> &'static [u32] {
-        &[0]
+    fn planes(&self) -> usize {
+        1
     }
 
     fn footprint(&self) -> Footprint {

@@ -73,8 +73,8 @@ pub trait Method: Send + Sync {
     /// The parameters.
     fn settings(&self) -> Settings;
 
-    /// What a plane holds before the first reading, for each plane after the two counts.
-    fn start(&self) -> &'static [u32];
+    /// Planes after the two counts. Every word of a cell is 0 before the first reading.
+    fn planes(&self) -> usize;
 
     /// The cells that a reading concerns.
     fn footprint(&self) -> Footprint {
@@ -183,7 +183,7 @@ pub fn nearest(name: &str, known: &[&str]) -> String {
 
 /// Words a cell of this method has, the two counts among them.
 pub fn planes(method: &dyn Method) -> usize {
-    2 + method.start().len()
+    2 + method.planes()
 }
 
 /// Words a tile of this method has.

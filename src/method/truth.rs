@@ -10,6 +10,7 @@ use crate::grid::{Class, Scale};
 use crate::kernels::cpu::{Job, Kernel, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
 use crate::snap::Footprint;
+use fearless_simd::Simd;
 
 /// The registry's line.
 pub const ENTRY: Entry = Entry {
@@ -37,14 +38,16 @@ const LAYERS: &[LayerSpec] =
     &[layer("hits", "scans whose nearest beam ends in the cell"), layer("passes", "scans whose nearest beam passes")];
 
 impl Kernel for Truth {
-    type Cells = ();
-
-    fn load(_: &[[u32; TILE]], _: usize) {}
-
-    fn store(_: &(), _: &mut [[u32; TILE]], _: usize) {}
+    type Cells<S: Simd> = ();
 
     #[inline(always)]
-    fn fuse(&self, _: &Frame, _: &Cone, _: &Row, _: &[u32; 4], _: &mut ()) {}
+    fn load<S: Simd>(_: S, _: &[[u32; TILE]], _: usize) {}
+
+    #[inline(always)]
+    fn store<S: Simd>((): (), _: &mut [[u32; TILE]], _: usize) {}
+
+    #[inline(always)]
+    fn fuse<S: Simd>(&self, _: &Frame, _: &Cone, _: &Row<S>, _: &[u32; 4], (): &mut ()) {}
 }
 
 impl Method for Truth {
@@ -52,8 +55,8 @@ impl Method for Truth {
         Settings::Truth
     }
 
-    fn start(&self) -> &'static [u32] {
-        &[]
+    fn planes(&self) -> usize {
+        0
     }
 
     fn footprint(&self) -> Footprint {

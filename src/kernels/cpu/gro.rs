@@ -2,11 +2,13 @@
 //! each neighbour's count.
 
 use crate::batch::Batch;
-use crate::cone::axis_row;
+use crate::cone::Sight;
 use crate::kernels::{Chunks, fresh_chunk};
 use crate::layout::*;
 use crate::method::Method;
 use crate::method::himm::{HIT, MOST, ONE};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
 
 /// Words of a tile: the two counts, and himm's.
 const WORDS: usize = 3 * TILE_CELLS;
@@ -25,20 +27,20 @@ pub fn apply(method: &dyn Method, frame: Frame, batch: &Batch, chunks: &mut Chun
             }
         }
     }
+    let level = Level::new();
     for (cone, tiles) in batch.cones.iter().zip(reached) {
         // First every cell before the hit, then the hit and its growth.
         let mut hit = None;
         for corner in tiles {
-            for y in 0..TILE as u32 {
-                let cell = [corner[0], corner[1] + y];
-                let v = [0, 1].map(|k| CELL * cell[k] as i32 + CELL / 2 - cone.sensor[k]);
-                let Some(row) = axis_row(cone, v) else { continue };
+            let first = [0, 1].map(|k| CELL * corner[k] as i32 + CELL / 2 - cone.sensor[k]);
+            let regions = dispatch!(level, simd => regions(Sight::of(simd, cone, first, true), cone));
+            for (y, [interior, arc]) in regions.into_iter().enumerate() {
                 for k in 0..TILE {
-                    let cell = [cell[0] + k as u32, cell[1]];
-                    if row.interior[k] != 0 {
+                    let cell = [corner[0] + k as u32, corner[1] + y as u32];
+                    if interior >> k & 1 != 0 {
                         update(chunks, frame, cell, 0, |count| count.max(ONE) - ONE);
                     }
-                    if row.arc[k] != 0 && cone.flags & NO_ECHO == 0 {
+                    if arc >> k & 1 != 0 {
                         hit = Some(cell);
                     }
                 }
@@ -50,6 +52,13 @@ pub fn apply(method: &dyn Method, frame: Frame, batch: &Batch, chunks: &mut Chun
             update(chunks, frame, cell, 2, |count| (count + sum / 2).min(MOST));
         }
     }
+}
+
+/// The cells of a tile before the hit, and the hit cell: a bit each, row by row.
+#[inline(always)]
+fn regions<S: Simd>(sight: Sight<S>, cone: &Cone) -> [[u64; 2]; TILE] {
+    let bits = |y| sight.axis_row(cone, y).map_or([0; 2], |row| [row.interior.to_bitmask(), row.arc.to_bitmask()]);
+    std::array::from_fn(bits)
 }
 
 /// The eight cells around one; those left of or below the grid wrap far beyond its other end.

@@ -4,7 +4,7 @@
 mod gro;
 mod walk;
 
-pub use walk::{Job, Kernel, walk};
+pub use walk::{Job, Kernel, plane, walk};
 
 use super::{Backend, Chunks, Limits, Shares, fresh_chunk, shares, tally};
 use crate::batch::{Batch, ChunkList};

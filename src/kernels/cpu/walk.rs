@@ -1,9 +1,10 @@
 //! The drivers of the CPU's passes: a tile's list of readings, in log order, row by row; twins of `shaders/driver/*.wgsl`.
 
-use crate::cone::{Row, Rows, axis_row, cone_row, inside_row, rows};
+use crate::cone::{Row, Rows, Sight};
 use crate::layout::*;
 use crate::method::Pass;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f32x16, u32x16};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A tile's work in one pass.
@@ -25,24 +26,30 @@ pub struct Job<'a> {
 /// A method's CPU half: the state of a row of cells, and what a reading does to it.
 pub trait Kernel: Sync {
     /// A row of cells in registers.
-    type Cells: Copy;
+    type Cells<S: Simd>: Copy;
 
     /// Whether the method looks at the axis' cells only.
     const AXIS: bool = false;
 
     /// A row of a tile from its planes, which come row by row, those of the two counts left out.
-    fn load(planes: &[[u32; TILE]], row: usize) -> Self::Cells;
+    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Self::Cells<S>;
 
     /// And back.
-    fn store(cells: &Self::Cells, planes: &mut [[u32; TILE]], row: usize);
+    fn store<S: Simd>(cells: Self::Cells<S>, planes: &mut [[u32; TILE]], row: usize);
 
     /// What a reading does to a row.
-    fn fuse(&self, frame: &Frame, cone: &Cone, row: &Row, share: &[u32; 4], cells: &mut Self::Cells);
+    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, share: &[u32; 4], cells: &mut Self::Cells<S>);
 
     /// A reading's evidence on its arc before it is normalised, and what of the update it depends on.
-    fn weigh(&self, _: &Frame, _: &Cone, _: &Row, _: &mut Self::Cells) -> [f32; TILE] {
-        [0.0; TILE]
+    fn weigh<S: Simd>(&self, _: &Frame, _: &Cone, row: &Row<S>, _: &mut Self::Cells<S>) -> f32x16<S> {
+        f32x16::splat(row.d2.token(), 0.0)
     }
+}
+
+/// A row of one plane, those of the two counts left out.
+#[inline(always)]
+pub fn plane<S: Simd>(simd: S, planes: &[[u32; TILE]], plane: usize, row: usize) -> u32x16<S> {
+    u32x16::load_array(simd, planes[plane * TILE + row])
 }
 
 /// The SIMD level that this machine runs.
@@ -55,9 +62,9 @@ pub fn walk<K: Kernel>(kernel: &K, pass: Pass, job: &Job, state: &mut [u32]) {
     let level = Level::new();
     let rows: &mut [[u32; TILE]] = bytemuck::cast_slice_mut(state);
     match pass {
-        Pass::Fuse => dispatch!(level, _simd => fuse(kernel, job, rows)),
-        Pass::Weigh => dispatch!(level, _simd => weigh(kernel, job, rows)),
-        Pass::Count => dispatch!(level, _simd => count::<K>(job)),
+        Pass::Fuse => dispatch!(level, simd => fuse(simd, kernel, job, rows)),
+        Pass::Weigh => dispatch!(level, simd => weigh(simd, kernel, job, rows)),
+        Pass::Count => dispatch!(level, simd => count::<_, K>(simd, job)),
     }
 }
 
@@ -76,47 +83,66 @@ impl Place {
         Place { corner: [x as i32, y as i32], columns: (width - x) as usize, rows: TILE.min((height - y) as usize) }
     }
 
-    /// The first cell's centre from the sensor.
+    /// The tile as the cone sees it; a missing echo's arc only with `arcs`.
     #[inline(always)]
-    fn first(&self, cone: &Cone) -> [i32; 2] {
-        [0, 1].map(|k| CELL * self.corner[k] + CELL / 2 - cone.sensor[k])
+    fn sight<S: Simd>(&self, simd: S, cone: &Cone, arcs: bool) -> Sight<S> {
+        let [i, j] = self.corner;
+        let v = [CELL * i + CELL / 2 - cone.sensor[0], CELL * j + CELL / 2 - cone.sensor[1]];
+        Sight::of(simd, cone, v, arcs || cone.flags & NO_ECHO == 0)
     }
 
-    /// The rows to look at.
+    /// The tile's rows that have a member.
     #[inline(always)]
-    fn rows<K: Kernel>(&self, entry: &Entry, cone: &Cone) -> Rows {
-        if entry.cone & INSIDE != 0 {
-            return Rows { some: 0xffff, all: 0xffff };
+    fn members<'a, S: Simd>(&self, axis: bool, entry: &Entry, cone: &'a Cone, sight: &'a Sight<S>) -> Members<'a, S> {
+        let mut left = Rows { some: 0xffff, all: 0xffff };
+        if entry.cone & INSIDE == 0 {
+            left = sight.rows(cone, axis);
+            left.some &= 0xffff >> (TILE - self.rows);
         }
-        let Rows { some, all } = rows(cone, self.first(cone), K::AXIS);
-        Rows { some: some & (0xffff >> (TILE - self.rows)), all }
+        Members { axis, columns: self.columns, cone, sight, left }
     }
+}
 
-    /// Row `y` of the tile as the cone sees it; `None` if it has no cell there.
+/// A cone's rows of a tile, one by one.
+struct Members<'a, S: Simd> {
+    axis: bool,
+    columns: usize,
+    cone: &'a Cone,
+    sight: &'a Sight<S>,
+    /// Rows still to be looked at.
+    left: Rows,
+}
+
+impl<S: Simd> Iterator for Members<'_, S> {
+    /// A row's number, and the row.
+    type Item = (usize, Row<S>);
+
     #[inline(always)]
-    fn row<K: Kernel>(&self, all: u32, cone: &Cone, y: usize, keep_no_echo: bool) -> Option<Row> {
-        let first = self.first(cone);
-        let v = [first[0], first[1] + CELL * y as i32];
-        let mut row = if all >> y & 1 != 0 {
-            inside_row(cone, v)
-        } else if K::AXIS {
-            axis_row(cone, v)?
-        } else {
-            cone_row(cone, v)?
-        };
-        if self.columns < TILE {
-            row.clip(self.columns);
+    fn next(&mut self) -> Option<(usize, Row<S>)> {
+        while self.left.some != 0 {
+            let y = self.left.some.trailing_zeros() as usize;
+            self.left.some &= self.left.some - 1;
+            let row = if self.axis {
+                self.sight.axis_row(self.cone, y)
+            } else if self.left.all >> y & 1 != 0 {
+                Some(self.sight.inside_row(self.cone, y))
+            } else {
+                self.sight.cone_row(self.cone, y)
+            };
+            if let Some(mut row) = row {
+                if self.columns < TILE {
+                    row.clip(self.columns);
+                }
+                return Some((y, row));
+            }
         }
-        if cone.flags & NO_ECHO != 0 && !keep_no_echo {
-            row.arc = [0; TILE];
-        }
-        Some(row)
+        None
     }
 }
 
 /// Updates the tile's cells.
 #[inline(always)]
-fn fuse<K: Kernel>(kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
+fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
     let place = Place::of(job);
     let (counts, planes) = state.split_at_mut(2 * TILE);
     // Copies, so that they live in registers.
@@ -125,20 +151,17 @@ fn fuse<K: Kernel>(kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
     for entry in job.entries {
         let cone = &{ job.cones[entry.index()] };
         let share = job.shares.get(cone.index as usize).copied().unwrap_or_default();
-        let Rows { mut some, all } = place.rows::<K>(entry, cone);
-        while some != 0 {
-            let y = some.trailing_zeros() as usize;
-            some &= some - 1;
-            let Some(row) = place.row::<K>(all, cone, y, false) else { continue };
+        let sight = place.sight(simd, cone, false);
+        for (y, row) in place.members(K::AXIS, entry, cone, &sight) {
             if counting {
-                for k in 0..TILE {
-                    counts[y][k] += row.interior[k];
-                    counts[TILE + y][k] += row.arc[k];
+                for (plane, region) in [(0, row.interior), (TILE, row.arc)] {
+                    let count = u32x16::load_array(simd, counts[plane + y]);
+                    region.select(count + 1, count).store_array(&mut counts[plane + y]);
                 }
             }
-            let mut cells = K::load(planes, y);
+            let mut cells = K::load(simd, planes, y);
             kernel.fuse(frame, cone, &row, &share, &mut cells);
-            K::store(&cells, planes, y);
+            K::store(cells, planes, y);
         }
     }
 }
@@ -146,23 +169,23 @@ fn fuse<K: Kernel>(kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
 /// Sums each reading's evidence on the tile's part of its arc: four cells of a row at a time as the GPU's threads do, down
 /// the columns of threads, then across.
 #[inline(always)]
-fn weigh<K: Kernel>(kernel: &K, job: &Job, state: &[[u32; TILE]]) {
+fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &[[u32; TILE]]) {
     let place = Place::of(job);
     let frame = &{ *job.frame };
     let mut planes = state[2 * TILE..].to_vec();
     for entry in job.entries {
         let cone = &{ job.cones[entry.index()] };
         let mut columns = [0.0f32; 4];
-        let Rows { mut some, all } = place.rows::<K>(entry, cone);
-        while some != 0 {
-            let y = some.trailing_zeros() as usize;
-            some &= some - 1;
-            let Some(row) = place.row::<K>(all, cone, y, false) else { continue };
-            let mut cells = K::load(&planes, y);
-            let e = kernel.weigh(frame, cone, &row, &mut cells);
-            K::store(&cells, &mut planes, y);
-            for g in 0..4 {
-                columns[g] += (e[4 * g] + e[4 * g + 1]) + (e[4 * g + 2] + e[4 * g + 3]);
+        let sight = place.sight(simd, cone, false);
+        for (y, row) in place.members(K::AXIS, entry, cone, &sight) {
+            let mut cells = K::load(simd, &planes, y);
+            let evidence = kernel.weigh(frame, cone, &row, &mut cells);
+            K::store(cells, &mut planes, y);
+            if row.arc.any_true() {
+                let e = evidence.to_array();
+                for g in 0..4 {
+                    columns[g] += (e[4 * g] + e[4 * g + 1]) + (e[4 * g + 2] + e[4 * g + 3]);
+                }
             }
         }
         if entry.cone & ARC != 0 {
@@ -174,18 +197,14 @@ fn weigh<K: Kernel>(kernel: &K, job: &Job, state: &[[u32; TILE]]) {
 
 /// Counts the arc cells of each reading.
 #[inline(always)]
-fn count<K: Kernel>(job: &Job) {
+fn count<S: Simd, K: Kernel>(simd: S, job: &Job) {
     let place = Place::of(job);
     for entry in job.entries.iter().filter(|e| e.cone & ARC != 0) {
         let cone = &{ job.cones[entry.index()] };
         let mut cells = 0;
-        let Rows { mut some, all } = place.rows::<K>(entry, cone);
-        while some != 0 {
-            let y = some.trailing_zeros() as usize;
-            some &= some - 1;
-            if let Some(row) = place.row::<K>(all, cone, y, true) {
-                cells += row.arc.iter().sum::<u32>();
-            }
+        let sight = place.sight(simd, cone, true);
+        for (_, row) in place.members(K::AXIS, entry, cone, &sight) {
+            cells += row.arc.to_bitmask().count_ones();
         }
         if cells > 0 {
             job.parts[cone.index as usize].fetch_add(cells, Ordering::Relaxed);
