@@ -8,6 +8,7 @@ const NO_ECHO: u32 = 1u;
 const LASER: u32 = 2u;
 const HALF_OPEN: u32 = 4u;
 const WIDE: u32 = 8u;
+const BROAD: u32 = 16u;
 
 const ARC: u32 = 1u;
 const INSIDE: u32 = 2u;

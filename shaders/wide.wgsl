@@ -1,4 +1,4 @@
-// The snapped cone in 64 bits, for readings that reach farther than 1024 cells; twin of src/cone.rs (Wide, on_axis_wide).
+// The snapped cone in 64 bits, for readings that reach farther than 1024 cells; twin of src/cone/wide.rs (Wide, on_axis_wide).
 //
 // A 64-bit integer is two u32 in two's complement, (low, high).
 

@@ -1,4 +1,5 @@
-//! The snapped cone: which cells a reading frees and which lie on its arc, in integers; twin of `shaders/cone.wgsl`.
+//! The snapped cone: which cells a reading frees and which lie on its arc, in integers; twin of `shaders/cone.wgsl`, and of
+//! `shaders/narrow.wgsl` where no reading reaches far.
 //!
 //! Membership is exact, so it is the same on every backend. A row of a tile, 16 cells, is classified at once.
 
@@ -53,20 +54,6 @@ impl<S: Simd> Split<S> {
     fn row(&self, y: usize) -> i32x16<S> {
         self.columns + self.rows[y]
     }
-
-    /// A row's least and largest value come from the ends of its columns' part, which is linear; this adds `end` to
-    /// every row's part.
-    #[inline(always)]
-    fn ends(&self, simd: S, end: i32) -> i32x16<S> {
-        i32x16::load_array(simd, self.rows) + end
-    }
-
-    /// The least and the largest of the columns' part.
-    #[inline(always)]
-    fn span(&self) -> (i32, i32) {
-        let (first, last) = (self.columns[0], self.columns[TILE - 1]);
-        (first.min(last), first.max(last))
-    }
 }
 
 /// A tile as a cone sees it: the cone's products with its cells, so that a row costs a sum each.
@@ -84,15 +71,6 @@ pub struct Sight<S: Simd> {
     outer: i32,
     left_limit: i32,
     arcs: bool,
-}
-
-/// Which rows of a tile a cone may touch, and which lie wholly in its interior: one bit a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rows {
-    /// May have a member.
-    pub some: u32,
-    /// Interior throughout.
-    pub all: u32,
 }
 
 impl<S: Simd> Sight<S> {
@@ -117,13 +95,13 @@ impl<S: Simd> Sight<S> {
         }
     }
 
-    /// Classifies row `y`; `None` if no cell is a member.
+    /// Classifies row `y`.
     #[inline(always)]
-    pub fn cone_row(&self, cone: &Cone, y: usize) -> Option<Row<S>> {
+    pub fn cone_row(&self, cone: &Cone, y: usize) -> Row<S> {
         if cone.flags & WIDE != 0 {
             let mut row = wide_row(self.simd, cone, [self.v[0], self.v[1] + CELL * y as i32]);
             row.arc &= mask32x16::splat(self.simd, self.arcs);
-            return (row.interior | row.arc).any_true().then_some(row);
+            return row;
         }
         let (d2, across, along) = (self.d2.row(y), self.across.row(y), self.along.row(y));
         let ahead = along.simd_ge(0);
@@ -133,8 +111,7 @@ impl<S: Simd> Sight<S> {
             inside |= band & ahead;
         }
         inside &= d2.simd_le(self.outer);
-        let row = Row { interior: inside & d2.simd_lt(self.inner), arc: inside & d2.simd_ge(self.inner), ..self.numbers(y) };
-        inside.any_true().then_some(row)
+        Row { interior: inside & d2.simd_lt(self.inner), arc: inside & d2.simd_ge(self.inner), ..self.numbers(y) }
     }
 
     /// A row that is interior throughout: no test.
@@ -159,40 +136,9 @@ impl<S: Simd> Sight<S> {
         }
     }
 
-    /// Looks at the rows from their ends alone.
-    ///
-    /// The edges and the circles are convex: a row has members only if an end lies inside an edge and the nearest point
-    /// within reach, and it is interior if both its ends are.
+    /// HIMM's row: the cells on the acoustic axis before the hit (interior) and the hit cell (arc).
     #[inline(always)]
-    pub fn rows(&self, cone: &Cone, axis_only: bool) -> Rows {
-        if cone.flags & WIDE != 0 {
-            return Rows { some: 0xffff, all: 0 };
-        }
-        let simd = self.simd;
-        let (x0, x1) = (self.v[0], self.v[0] + CELL * (TILE as i32 - 1));
-        let (near, far) = (0.clamp(x0, x1), x0.abs().max(x1.abs()));
-        let (left, right, along, across) = (self.left.span(), self.right.span(), self.along.span(), self.across.span());
-        let half = CELL / 2 * DIRECTION;
-        let strip = self.across.ends(simd, across.0).simd_le(half) & self.across.ends(simd, across.1).simd_ge(-half);
-        let wedge = self.left.ends(simd, left.0).simd_le(self.left_limit)
-            & self.right.ends(simd, right.1).simd_ge(0)
-            & self.along.ends(simd, along.1).simd_ge(0)
-            & self.d2.ends(simd, near * near).simd_le(self.outer);
-        let all = self.left.ends(simd, left.1).simd_le(self.left_limit)
-            & self.right.ends(simd, right.0).simd_ge(0)
-            & self.along.ends(simd, along.0).simd_ge(0)
-            & self.d2.ends(simd, far * far).simd_lt(self.inner);
-        let (strip, wedge, all) = (strip.to_bitmask() as u32, wedge.to_bitmask() as u32, all.to_bitmask() as u32);
-        match (axis_only, cone.flags & LASER != 0) {
-            (true, _) => Rows { some: strip, all: 0 },
-            (false, true) => Rows { some: strip | wedge, all },
-            (false, false) => Rows { some: wedge, all },
-        }
-    }
-
-    /// HIMM's row: the cells on the acoustic axis before the hit (interior) and the hit cell (arc); `None` if neither.
-    #[inline(always)]
-    pub fn axis_row(&self, cone: &Cone, y: usize) -> Option<Row<S>> {
+    pub fn axis_row(&self, cone: &Cone, y: usize) -> Row<S> {
         let simd = self.simd;
         let v = [self.v[0], self.v[1] + CELL * y as i32];
         let [before, hit] = if cone.flags & WIDE == 0 {
@@ -202,9 +148,43 @@ impl<S: Simd> Sight<S> {
         };
         // Without an echo the last cell is empty too.
         let silent = mask32x16::splat(simd, cone.flags & NO_ECHO != 0);
-        let row = Row { interior: before | (hit & silent), arc: hit & !silent, ..self.numbers(y) };
-        (before | hit).any_true().then_some(row)
+        Row { interior: before | (hit & silent), arc: hit & !silent, ..self.numbers(y) }
     }
+}
+
+/// Which rows of a tile a cone may touch, a bit each, from their ends alone; `v` is its first cell's centre from the sensor.
+/// Without `arcs` the cone ends where its arc begins.
+///
+/// The edges and the circles are convex: a row has members only if an end lies inside each edge and its nearest point within
+/// reach.
+#[inline(always)]
+pub fn rows<S: Simd>(simd: S, cone: &Cone, v: [i32; 2], arcs: bool, axis_only: bool) -> u32 {
+    if cone.flags & WIDE != 0 {
+        return 0xffff;
+    }
+    let y = i32x16::load_array(simd, STEPS) + v[1];
+    let width = CELL * (TILE as i32 - 1);
+    let (x0, x1) = (v[0], v[0] + width);
+    let near = 0.clamp(x0, x1);
+    // The least and the largest of a linear function's columns' part.
+    let ends = |step: i32| (step * x0 + (step * width).min(0), step * x0 + (step * width).max(0));
+    let across = (y * cone.axis[0], ends(-cone.axis[1]));
+    let half = CELL / 2 * DIRECTION;
+    let strip = (across.0 + across.1.0).simd_le(half) & (across.0 + across.1.1).simd_ge(-half);
+    if axis_only {
+        return strip.to_bitmask() as u32;
+    }
+    let (inner, outer) = (cone.reach[0] * cone.reach[0], cone.reach[1] * cone.reach[1]);
+    let left = (y * cone.left[0], ends(-cone.left[1]));
+    let right = (y * cone.right[0], ends(-cone.right[1]));
+    let along = (y * cone.axis[1], ends(cone.axis[0]));
+    let left_limit = -i32::from(cone.flags & HALF_OPEN != 0);
+    let wedge = (left.0 + left.1.0).simd_le(left_limit)
+        & (right.0 + right.1.1).simd_ge(0)
+        & (along.0 + along.1.1).simd_ge(0)
+        & (y * y + near * near).simd_le(if arcs { outer } else { inner - 1 });
+    let some = if cone.flags & LASER != 0 { strip | wedge } else { wedge };
+    some.to_bitmask() as u32
 }
 
 /// Which cells lie on the axis before the hit, and which is the hit cell (SPEC: c is the axis' larger component).
@@ -219,14 +199,4 @@ fn on_axis<S: Simd>(simd: S, axis: [i32; 2], range: i32, v: [i32; 2]) -> [mask32
     let past = a * (DIRECTION * sign) - range * c.abs();
     let half = CELL / 2 * DIRECTION;
     [on & past.simd_lt(-half), on & past.simd_ge(-half) & past.simd_lt(half)]
-}
-
-impl<S: Simd> Row<S> {
-    /// Leaves out the columns that lie beyond the grid.
-    #[inline(always)]
-    pub fn clip(&mut self, columns: usize) {
-        let within = mask32x16::from_bitmask(self.d2.token(), 0xffff >> (TILE - columns.min(TILE)));
-        self.interior &= within;
-        self.arc &= within;
-    }
 }

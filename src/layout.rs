@@ -20,6 +20,8 @@ pub const CHUNK: usize = 64;
 pub const NO_ECHO: u32 = 1;
 /// Cone flag: a laser, widened to half a cell on each side of its axis.
 pub const LASER: u32 = 2;
+/// Cone flag: β is more than 22.5°.
+pub const BROAD: u32 = 16;
 /// Cone flag: the left edge belongs to the neighbour.
 pub const HALF_OPEN: u32 = 4;
 /// Cone flag: reaches farther than 1024 cells; decided in 64-bit integers.
@@ -67,7 +69,7 @@ pub struct Cone {
     pub left: [i32; 2],
     /// Direction of the right edge, heading − β.
     pub right: [i32; 2],
-    /// [`NO_ECHO`], [`LASER`], [`HALF_OPEN`], [`WIDE`].
+    /// [`NO_ECHO`], [`LASER`], [`HALF_OPEN`], [`WIDE`], [`BROAD`].
     pub flags: u32,
     /// Where the reading stands in its batch.
     pub index: u32,

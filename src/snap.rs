@@ -5,7 +5,7 @@
 
 use crate::cone::{Wide, on_axis_wide};
 use crate::grid::GridSpec;
-use crate::layout::{CELL, Cone, DIRECTION, HALF_OPEN, LASER, NO_ECHO, WIDE};
+use crate::layout::{BROAD, CELL, Cone, DIRECTION, HALF_OPEN, LASER, NO_ECHO, WIDE};
 use crate::reading::{Outcome, Reading};
 use crate::sensor::{Kind, Sensor};
 
@@ -34,6 +34,8 @@ pub type Edges = (f64, f64);
 
 /// Reach beyond which 64 bits decide, units: 1024 cells.
 const NARROW: i64 = 1024 * CELL as i64;
+/// Half a beam's width, radians, up to which the angle comes from its tangent: 22.5°.
+const BROADEST: f64 = std::f64::consts::FRAC_PI_8;
 /// A reach beyond this many units is refused by [`snap`].
 const FARTHEST: i64 = 1 << 28;
 /// What a footprint may exceed its reach and its edges by, units.
@@ -92,7 +94,8 @@ pub fn snap(
         flags: flag(no_echo, NO_ECHO)
             | flag(laser && footprint == Footprint::Cone, LASER)
             | flag(footprint == Footprint::Wedge, HALF_OPEN)
-            | flag(range + depth > NARROW, WIDE),
+            | flag(range + depth > NARROW, WIDE)
+            | flag(turn > 0.0 && beta > BROADEST, BROAD),
         index: 0,
         shape: [f64::from(axis[0]).hypot(f64::from(axis[1])) as f32, turn as f32, 0.0, 0.0],
         profile: [0.0; 4],

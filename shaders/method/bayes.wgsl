@@ -1,29 +1,47 @@
 // Bayesian occupancy grid (Elfes 1989; likelihoods of Murphy 2000, expressions 11.1 to 11.6); twin of src/method/bayes.rs.
 
-const PLANES: u32 = 3u;
+const PLANES: u32 = 5u;
 
-// P(s|·) is kept within these: certainty would leave no way back.
-const LEAST: f32 = 0.02;
+// P(s|·) is kept between a floor and this: certainty would leave no way back.
 const MOST: f32 = 0.98;
+
+// Below this a product of likelihoods is scaled up, by a power of two: 2⁻⁶⁰.
+const SMALL: f32 = 8.6736174e-19;
+// By which: 2⁶⁰.
+const SCALE: f32 = 1.1529215e18;
 
 // Two constants instead of Murphy's profile: the counts are all its state.
 override CONSTANT: bool = false;
 
-// The log odds of occupied of four cells.
+// The products of four cells' likelihoods.
 struct Cells {
-    odds: vec4<f32>,
+    // Π P(s|occupied).
+    occupied: vec4<f32>,
+    // Π P(s|empty).
+    empty: vec4<f32>,
+    // How often empty was scaled up, less how often occupied was.
+    scale: vec4<i32>,
 }
 
-// What a reading adds to the log odds of occupied, by Murphy's profile.
-fn evidence(near: vec4<f32>, arc: vec4<bool>) -> vec4<f32> {
-    let max_occ = frame.constants[0].x;
-    let floor_one = vec4<f32>(frame.constants[0].y);
-    let floor_two = vec4<f32>(frame.constants[0].z);
-    // Region I: P(s|occupied); region II: P(s|empty).
-    let region = select(max(near, floor_two), max(near * max_occ, floor_one), arc);
-    let p = clamp(region, vec4<f32>(LEAST), vec4<f32>(MOST));
-    let l = log_4(p / (1.0 - p));
-    return select(-l, l, arc);
+// P(s|occupied) on the arc (region I), P(s|empty) in the interior (region II), by Murphy's profile.
+fn likelihood(near: vec4<f32>, arc: vec4<bool>) -> vec4<f32> {
+    let given = frame.constants[0];
+    let part = select(vec4<f32>(given.y), vec4<f32>(given.x), arc);
+    let least = select(vec4<f32>(given.w), vec4<f32>(given.z), arc);
+    return min(max(near * part, least), vec4<f32>(MOST));
+}
+
+// Scales up what has become small: no product is ever 0, and scaling is exact.
+fn scaled(cells: Cells) -> Cells {
+    let few = cells.occupied < vec4<f32>(SMALL);
+    let rare = cells.empty < vec4<f32>(SMALL);
+    let one = vec4<i32>(1);
+    let zero = vec4<i32>(0);
+    return Cells(
+        select(cells.occupied, cells.occupied * SCALE, few),
+        select(cells.empty, cells.empty * SCALE, rare),
+        cells.scale - select(zero, one, few) + select(zero, one, rare),
+    );
 }
 
 fn member_row(cone: Cone, v: vec2<i32>) -> Row {
@@ -31,11 +49,13 @@ fn member_row(cone: Cone, v: vec2<i32>) -> Row {
 }
 
 fn load(at: u32) -> Cells {
-    return Cells(bitcast<vec4<f32>>(state[at]));
+    return Cells(from_one(state[at]), from_one(state[at + 64u]), bitcast<vec4<i32>>(state[at + 128u]));
 }
 
 fn store(cells: Cells, at: u32) {
-    state[at] = bitcast<vec4<u32>>(cells.odds);
+    state[at] = to_one(cells.occupied);
+    state[at + 64u] = to_one(cells.empty);
+    state[at + 128u] = bitcast<vec4<u32>>(cells.scale);
 }
 
 fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {
@@ -43,6 +63,11 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
         return;
     }
     let at = polar(cone, row);
-    let l = evidence(murphy(cone.profile.x, at.distance, at.turn), row.arc);
-    (*cells).odds = (*cells).odds + select(vec4<f32>(0.0), l, row.interior | row.arc);
+    let p = likelihood(murphy(cone.profile.x, at.distance, at.turn), row.arc);
+    let other = 1.0 - p;
+    let one = vec4<f32>(1.0);
+    let reached = row.interior | row.arc;
+    let occupied = (*cells).occupied * select(one, select(other, p, row.arc), reached);
+    let empty = (*cells).empty * select(one, select(p, other, row.arc), reached);
+    *cells = scaled(Cells(occupied, empty, (*cells).scale));
 }

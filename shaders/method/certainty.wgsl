@@ -23,18 +23,27 @@ fn not_emp(profile: vec4<f32>, d: vec4<f32>, turn: vec4<f32>) -> vec4<f32> {
     return p2 + t2 * (1.0 - p2);
 }
 
-// The complement of E + (e − E·e), from those of E and of e: their product, and where E is nearly 1 what f64 makes of it: the
-// bracket is rounded to the last place of e, the sum to that of E, both half to even.
+// The complement of E + (e − E·e), from those of E and of e: their product, and where E is nearly 1 what f64 makes of it.
 fn enhanced(rest: vec4<f32>, not_e: vec4<f32>) -> vec4<f32> {
+    let product = rest * not_e;
+    let nearly = min(rest, product) < vec4<f32>(NEARLY);
+    // Most cells are not.
+    if any(nearly) {
+        return select(product, in_units(rest, not_e), nearly);
+    }
+    return product;
+}
+
+// The same near certainty: the bracket is rounded to the last place of e, the sum to that of E, both half to even.
+fn in_units(rest: vec4<f32>, not_e: vec4<f32>) -> vec4<f32> {
     let e = 1.0 - not_e;
     let exponent = min(bitcast<vec4<i32>>(e) >> vec4<u32>(23u), vec4<i32>(126));
     let place = bitcast<vec4<f32>>((exponent + 1) << vec4<u32>(23u));
     let per_place = bitcast<vec4<f32>>((253 - exponent) << vec4<u32>(23u));
     let units = rest * UNITS;
     let gone = round(e * units * per_place) * place;
-    let product = rest * not_e;
-    let left = select(product * UNITS, units - gone, rest < vec4<f32>(NEARLY));
-    return select(product, round(left) * (1.0 / UNITS), min(rest, product) < vec4<f32>(NEARLY));
+    let left = select(rest * not_e * UNITS, units - gone, rest < vec4<f32>(NEARLY));
+    return round(left) * (1.0 / UNITS);
 }
 
 // Occ_k = (1 − ((d − R)/ε)²)(1 − t²).
@@ -54,26 +63,27 @@ fn member_row(cone: Cone, v: vec2<i32>) -> Row {
 }
 
 fn load(at: u32) -> Cells {
-    return Cells(bitcast<vec4<f32>>(state[at]), bitcast<vec4<f32>>(state[at + 64u]));
+    return Cells(from_one(state[at]), from_one(state[at + 64u]));
 }
 
 fn store(cells: Cells, at: u32) {
-    state[at] = bitcast<vec4<u32>>(cells.open);
-    state[at + 64u] = bitcast<vec4<u32>>(cells.clear);
+    state[at] = to_one(cells.open);
+    state[at + 64u] = to_one(cells.clear);
 }
 
 fn weigh_cells(cone: Cone, row: Row, cells: ptr<function, Cells>) -> vec4<f32> {
     let at = polar(cone, row);
-    let free = vec4<bool>((frame.mode & FREE) != 0u);
-    let open = enhanced((*cells).open, not_emp(cone.profile, at.distance, at.turn));
-    (*cells).open = select((*cells).open, open, row.interior & free);
+    if (frame.mode & FREE) != 0u {
+        let open = enhanced((*cells).open, not_emp(cone.profile, at.distance, at.turn));
+        (*cells).open = select((*cells).open, open, row.interior);
+    }
     let occupied = occ(cone.profile, at.distance, at.turn) * (*cells).open;
     return select(vec4<f32>(0.0), occupied, row.arc);
 }
 
 fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {
     let evidence = weigh_cells(cone, row, cells);
-    if (frame.mode & OCCUPY) == 0u {
+    if (frame.mode & OCCUPY) == 0u || !any(row.arc) {
         return;
     }
     let clear = enhanced((*cells).clear, not_normalised(evidence, bitcast<f32>(share.x)));

@@ -57,7 +57,7 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
         let cap = vec4<f32>(frame.constants[0].y);
         let at = polar(cone, row);
         let near = murphy(cone.profile.x, at.distance, at.turn);
-        let m = select(near, near * max_occ, row.arc);
+        let m = near * select(vec4<f32>(0.5), vec4<f32>(0.5 * max_occ), row.arc);
         let w = weight(clamp(m, vec4<f32>(0.0), cap));
         add(&empty, w << vec4<u32>(16u), w >> vec4<u32>(16u), row.interior);
         add(&full, w << vec4<u32>(16u), w >> vec4<u32>(16u), row.arc);

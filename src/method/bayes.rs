@@ -7,11 +7,10 @@
 
 use super::settings::{Bayes, Likelihood, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
-use crate::cone::Row;
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, plane, walk};
+use crate::kernels::cpu::{Job, Kernel, Reached, plane, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
-use crate::profile::{ONE, from_one, murphy, polar, to_one};
+use crate::profile::{ONE_BITS, from_one, murphy, to_one};
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
 use fearless_simd::prelude::*;
@@ -31,7 +30,7 @@ pub const ENTRY: Entry = Entry {
 };
 
 /// P(s|·) is kept within these: certainty would leave no way back.
-const LEAST: f32 = 0.02;
+const LEAST: f64 = 0.02;
 const MOST: f32 = 0.98;
 
 /// Below this a product of likelihoods is scaled up, by a power of two.
@@ -53,9 +52,11 @@ pub struct Cells<S: Simd> {
 /// P(s|occupied) on the arc (region I), P(s|empty) in the interior (region II), by Murphy's profile.
 #[inline(always)]
 fn likelihood<S: Simd>(frame: &Frame, near: f32x16<S>, arc: mask32x16<S>) -> f32x16<S> {
-    let [max_occ, floor_one, floor_two, _] = frame.constants[0];
-    let region = arc.select((near * max_occ).max(floor_one), near.max(floor_two));
-    region.max(LEAST).min(MOST)
+    let [[part_one, part_two, floor_one, floor_two], _] = frame.constants;
+    let splat = |x: f32| f32x16::splat(near.token(), x);
+    let part = arc.select(splat(part_one), splat(part_two));
+    let floor = arc.select(splat(floor_one), splat(floor_two));
+    (near * part).max(floor).min(MOST)
 }
 
 /// Scales up what has become small: no product is ever 0, and scaling is exact.
@@ -86,6 +87,11 @@ impl Kernel for Bayes {
     type Cells<S: Simd> = Cells<S>;
 
     #[inline(always)]
+    fn polar(&self) -> bool {
+        self.model == Likelihood::Murphy
+    }
+
+    #[inline(always)]
     fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Cells<S> {
         let (occupied, empty) = (plane(simd, planes, 0, row), plane(simd, planes, 1, row));
         Cells { occupied: from_one(occupied), empty: from_one(empty), scale: plane(simd, planes, 2, row).bitcast() }
@@ -99,11 +105,11 @@ impl Kernel for Bayes {
     }
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, _: &[u32; 4], cells: &mut Cells<S>) {
+    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, _: &[u32; 4], cells: &mut Cells<S>) {
         if self.model == Likelihood::Constant {
             return;
         }
-        let (d, turn) = polar(frame, cone, row);
+        let (d, turn) = (row.distance, row.turn);
         let p = likelihood(frame, murphy(cone.profile[0], d, turn), row.arc);
         let other = f32x16::splat(p.token(), 1.0) - p;
         let member = row.interior | row.arc;
@@ -111,9 +117,7 @@ impl Kernel for Bayes {
         let empty = cells.empty * row.arc.select(other, p);
         cells.occupied = member.select(occupied, cells.occupied);
         cells.empty = member.select(empty, cells.empty);
-        if cells.occupied.min(cells.empty).simd_lt(SMALL).any_true() {
-            *cells = scaled(*cells);
-        }
+        *cells = scaled(*cells);
     }
 }
 
@@ -131,7 +135,9 @@ impl Method for Bayes {
     }
 
     fn constants(&self) -> [[f32; 4]; 2] {
-        [[self.max_occ, self.region_one_floor, self.region_two_floor, 0.0].map(|v| v as f32), [0.0; 4]]
+        let floor = |p: f64| p.max(LEAST);
+        let [one, two] = [floor(self.region_one_floor), floor(self.region_two_floor)];
+        [[0.5 * self.max_occ, 0.5, one, two].map(|v| v as f32), [0.0; 4]]
     }
 
     fn variant(&self) -> Option<(&'static str, bool)> {
@@ -150,7 +156,7 @@ impl Method for Bayes {
         let logit = |p: f64| (p / (1.0 - p)).ln();
         let odds = match self.model {
             Likelihood::Murphy => {
-                let [occupied, empty] = [words[2], words[3]].map(|word| f64::from(f32::from_bits(word ^ ONE)));
+                let [occupied, empty] = [words[2], words[3]].map(|word| f64::from(f32::from_bits(word ^ ONE_BITS)));
                 (occupied / empty).ln() + f64::from(words[4].cast_signed()) * f64::from(SCALE).ln()
             }
             Likelihood::Constant => f64::from(words[1]) * logit(self.p_hit) + f64::from(words[0]) * logit(self.p_miss),

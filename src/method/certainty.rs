@@ -10,11 +10,10 @@
 
 use super::settings::{Certainty, Order, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
-use crate::cone::Row;
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, plane, walk};
+use crate::kernels::cpu::{Job, Kernel, Reached, plane, walk};
 use crate::layout::{COUNT, Cone, FREE, Frame, OCCUPY, TILE};
-use crate::profile::{ONE, from_one, polar, to_one};
+use crate::profile::{ONE_BITS, from_one, to_one};
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
 use fearless_simd::prelude::*;
@@ -112,6 +111,11 @@ impl Kernel for Certainty {
     type Cells<S: Simd> = Cells<S>;
 
     #[inline(always)]
+    fn polar(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
     fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Cells<S> {
         Cells { open: from_one(plane(simd, planes, 0, row)), clear: from_one(plane(simd, planes, 1, row)) }
     }
@@ -123,8 +127,8 @@ impl Kernel for Certainty {
     }
 
     #[inline(always)]
-    fn weigh<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, cells: &mut Cells<S>) -> f32x16<S> {
-        let (d, turn) = polar(frame, cone, row);
+    fn weigh<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, cells: &mut Cells<S>) -> f32x16<S> {
+        let (d, turn) = (row.distance, row.turn);
         if frame.mode & FREE != 0 {
             let open = enhanced(cells.open, not_emp(cone.profile, d, turn));
             cells.open = row.interior.select(open, cells.open);
@@ -134,7 +138,7 @@ impl Kernel for Certainty {
     }
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, share: &[u32; 4], cells: &mut Cells<S>) {
+    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, share: &[u32; 4], cells: &mut Cells<S>) {
         let evidence = self.weigh(frame, cone, row, cells);
         if frame.mode & OCCUPY == 0 || !row.arc.any_true() {
             return;
@@ -191,7 +195,7 @@ impl Method for Certainty {
     }
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
-        let (open, clear) = (f32::from_bits(words[2] ^ ONE), f32::from_bits(words[3] ^ ONE));
+        let (open, clear) = (f32::from_bits(words[2] ^ ONE_BITS), f32::from_bits(words[3] ^ ONE_BITS));
         let (emp, occ) = (1.0 - open, 1.0 - clear);
         let occupied = clear <= open;
         layers.copy_from_slice(&[emp, occ, if occupied { occ } else { -emp }]);

@@ -5,11 +5,10 @@
 
 use super::settings::{DempsterShafer, MassModel, Rho, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
-use crate::cone::Row;
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, plane, walk};
+use crate::kernels::cpu::{Job, Kernel, Reached, plane, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
-use crate::profile::{log, murphy, polar};
+use crate::profile::{log, murphy};
 use crate::reading::Outcome;
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
@@ -75,6 +74,11 @@ impl Kernel for DempsterShafer {
     type Cells<S: Simd> = Cells<S>;
 
     #[inline(always)]
+    fn polar(&self) -> bool {
+        self.model == MassModel::Murphy
+    }
+
+    #[inline(always)]
     fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Cells<S> {
         let empty = [plane(simd, planes, 0, row), plane(simd, planes, 1, row)];
         Cells { empty, full: [plane(simd, planes, 2, row), plane(simd, planes, 3, row)] }
@@ -89,17 +93,18 @@ impl Kernel for DempsterShafer {
     }
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, share: &[u32; 4], cells: &mut Cells<S>) {
+    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, share: &[u32; 4], cells: &mut Cells<S>) {
         if self.model == MassModel::Pagac {
-            let simd = row.d2.token();
+            let simd = row.distance.token();
             add(&mut cells.empty, [u32x16::splat(simd, share[0]), u32x16::splat(simd, share[1])], row.interior);
             add(&mut cells.full, [u32x16::splat(simd, share[2]), u32x16::splat(simd, share[3])], row.arc);
             return;
         }
         let [max_occ, cap, ..] = frame.constants[0];
-        let (d, turn) = polar(frame, cone, row);
+        let (d, turn) = (row.distance, row.turn);
         let near = murphy(cone.profile[0], d, turn);
-        let m = row.arc.select(near * max_occ, near);
+        let half = f32x16::splat(near.token(), 0.5);
+        let m = near * row.arc.select(half * max_occ, half);
         let w = weight(m.max(0.0).min(cap));
         add(&mut cells.empty, [w << 16, w >> 16], row.interior);
         add(&mut cells.full, [w << 16, w >> 16], row.arc);

@@ -7,9 +7,8 @@
 
 use super::settings::{Himm, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step};
-use crate::cone::Row;
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::kernels::cpu::{Job, Kernel, Reached, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
 use crate::snap::Footprint;
 use fearless_simd::prelude::*;
@@ -60,7 +59,7 @@ impl Kernel for Himm {
     }
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, _: &Frame, _: &Cone, row: &Row<S>, _: &[u32; 4], cells: &mut u32x16<S>) {
+    fn fuse<S: Simd>(&self, _: &Frame, _: &Cone, row: &Reached<S>, _: &[u32; 4], cells: &mut u32x16<S>) {
         let less = cells.max(ONE) - ONE;
         let more = (*cells + HIT).min(MOST);
         *cells = row.arc.select(more, row.interior.select(less, *cells));

@@ -5,9 +5,8 @@
 
 use super::settings::Settings;
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
-use crate::cone::Row;
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, walk};
+use crate::kernels::cpu::{Job, Kernel, Reached, walk};
 use crate::layout::{COUNT, Cone, Frame, TILE};
 use crate::snap::Footprint;
 use fearless_simd::Simd;
@@ -47,7 +46,7 @@ impl Kernel for Truth {
     fn store<S: Simd>((): (), _: &mut [[u32; TILE]], _: usize) {}
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, _: &Frame, _: &Cone, _: &Row<S>, _: &[u32; 4], (): &mut ()) {}
+    fn fuse<S: Simd>(&self, _: &Frame, _: &Cone, _: &Reached<S>, _: &[u32; 4], (): &mut ()) {}
 }
 
 impl Method for Truth {

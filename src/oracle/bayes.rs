@@ -8,8 +8,8 @@ use crate::method::settings::{Bayes, Likelihood};
 
 /// No P(s|·) is below this or above 1 − this: from 0 and 1 no evidence returns.
 const CLAMP: f64 = 0.02;
-/// Relative error of a kernel's logarithm, in u.
-const LOG_U: f64 = 8.0;
+/// Relative roundings of an update in a kernel's two products: 1 − p, and a product each.
+const ROUNDINGS: f64 = 3.0;
 
 /// Murphy's expressions 11.1 and 11.2: ½[(R − d)/R + (β − |θ|)/β]·`most`, d within 0..R, β − |θ| ≥ 0; R is the sensor's
 /// largest range.
@@ -53,8 +53,7 @@ fn logit(settings: &Bayes, p: Approx) -> Approx {
     }
     let steepest = |x: f64| 1.0 / (x * (1.0 - x));
     let slope = steepest(p.value - p.bound).max(steepest(p.value + p.bound));
-    let logs = p.value.ln().abs() + (1.0 - p.value).ln().abs();
-    Approx { value, bound: (p.bound + U) * slope + LOG_U * U * logs }
+    Approx { value, bound: p.bound * slope + (ROUNDINGS + 0.01) * U }
 }
 
 /// Log odds after one more reading, from the probability before: P(H|s_n), the recursion 11.6.
@@ -78,10 +77,8 @@ pub(super) fn map(grid: &GridSpec, cones: &[Cone], settings: &Bayes, tally: &mut
                 continue;
             }
             let sum = odds[cell.index] + add.value;
-            let bound = error[cell.index] + add.bound;
-            // one rounding of a kernel's sum, unless it counts; and of this one
-            let rounding = if settings.model == Likelihood::Constant { 0.0 } else { U };
-            error[cell.index] = bound + rounding * (sum.abs() + bound) + 1e-15 * (1.0 + sum.abs());
+            // a kernel's products round relatively, however large the odds; this sum rounds too
+            error[cell.index] += add.bound + 1e-15 * (1.0 + sum.abs());
             odds[cell.index] = sum;
         }
     }

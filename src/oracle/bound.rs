@@ -12,9 +12,10 @@ pub(super) const U: f64 = 1.0 / (1u64 << 24) as f64;
 /// unit 1 u, the product 1 u.
 const DISTANCE: f64 = 12.0 * U;
 
-/// Relative error of θ = q·P(q²), q = cross/(|axis|·d + dot), both terms of the sum ≥ 0: cross 2 u, the sum 13 u, the
-/// division 5 u, P 8 u and its argument's effect 3 u, the product 1 u; and 2e-8 for the polynomial itself.
-const THETA: f64 = 32.0 * U + 2e-8;
+/// Relative error of θ = q·P(q²), at worst by q = cross/(|axis|·d + dot), both terms of the sum ≥ 0: cross 2 u, the sum 13 u,
+/// the division 5 u, P 8 u and its argument's effect 3 u, the product 1 u; and 2.5e-8 for the polynomial itself. By
+/// q = cross/dot the sum's 13 u are 2 u.
+const THETA: f64 = 32.0 * U + 2.5e-8;
 
 /// A value and the most by which a kernel's may differ.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -84,16 +84,29 @@ fn expression(cone: &Cone, (d, theta): (f32, f32), most: f32) -> f32 {
 }
 
 fn bayes(size: usize, readings: &[(&Cone, Vec<Cell>)], s: &Bayes, fault: Fault) -> Vec<Vec<f32>> {
-    let mut odds = vec![0f32; size];
+    let (mut occupied, mut empty, mut scale) = (vec![1f32; size], vec![1f32; size], vec![0; size]);
     for (cone, cells) in readings {
         for (k, cell) in cells.iter().enumerate() {
             let arc = region(cell, fault) == Region::Arc;
             let (most, floor) = if arc { (s.max_occ, s.region_one_floor) } else { (1.0, s.region_two_floor) };
             let p = expression(cone, polar(cone, cell, k), most as f32).max(floor as f32).clamp(0.02, 0.98);
-            let logit = p.ln() - (1.0 - p).ln();
-            odds[cell.index] += if arc { logit } else { -logit };
+            let k = cell.index;
+            occupied[k] *= if arc { p } else { 1.0 - p };
+            empty[k] *= if arc { 1.0 - p } else { p };
+            for (product, step) in [(&mut occupied[k], -1), (&mut empty[k], 1)] {
+                if *product < 60f32.exp2().recip() {
+                    *product *= 60f32.exp2();
+                    scale[k] += step;
+                }
+            }
         }
     }
+    let odds: Vec<f32> = (0..size)
+        .map(|k| {
+            let ratio = f64::from(occupied[k]) / f64::from(empty[k]);
+            (ratio.ln() + f64::from(scale[k]) * 60.0 * std::f64::consts::LN_2) as f32
+        })
+        .collect();
     let p = |sign: f32| odds.iter().map(|l| 1.0 / (1.0 + (-sign * l).exp())).collect();
     vec![odds.clone(), p(1.0), p(-1.0)]
 }

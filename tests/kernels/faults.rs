@@ -253,8 +253,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "the floors are swapped",
-        from: "select(max(near, floor_two), max(near * max_occ, floor_one), arc)",
-        to: "select(max(near, floor_one * 0.9), max(near * max_occ, floor_two), arc)",
+        from: "let least = select(vec4<f32>(given.w), vec4<f32>(given.z), arc);",
+        to: "let least = select(vec4<f32>(0.9 * given.z), vec4<f32>(given.w), arc);",
         methods: &["bayes"],
         scene: few,
     },
@@ -266,17 +266,45 @@ const FAULTS: &[Fault] = &[
         scene: few,
     },
     Fault {
-        what: "the off-axis angle is a thousandth large",
-        from: "return t * (low + (w2 * w2) * high);",
-        to: "return t * (low + (w2 * w2) * high) * 1.001;",
+        what: "the off-axis angle of a broad beam is a thousandth large",
+        from: "return low + (w2 * w2) * high;",
+        to: "return (low + (w2 * w2) * high) * 1.001;",
         methods: &["certainty", "dempster-shafer-murphy", "bayes"],
         scene: few,
+    },
+    Fault {
+        what: "the off-axis angle of a narrow beam is a thousandth large",
+        from: "return t * cone.shape.y * angle(t * t);",
+        to: "return t * cone.shape.y * angle(t * t) * 1.001;",
+        methods: &["certainty", "dempster-shafer-murphy", "bayes"],
+        scene: few,
+    },
+    Fault {
+        what: "broad beams go the narrow way",
+        from: "(cone.flags & BROAD) != 0u",
+        to: "(cone.flags & BROAD) == 77u",
+        methods: &["certainty", "dempster-shafer-murphy", "bayes"],
+        scene: few,
+    },
+    Fault {
+        what: "a product that became small is scaled, and nobody counts it",
+        from: "cells.scale - select(zero, one, few) + select(zero, one, rare)",
+        to: "cells.scale",
+        methods: &["bayes"],
+        scene: scenes::parked,
+    },
+    Fault {
+        what: "a product that becomes small is left to vanish",
+        from: "let rare = cells.empty < vec4<f32>(SMALL);",
+        to: "let rare = cells.empty < vec4<f32>(0.0);",
+        methods: &["bayes"],
+        scene: scenes::parked,
     },
     Fault {
         what: "the logarithm's polynomial is cut short",
         from: " + (w * w) * (0.29925594 * w + 0.399748)",
         to: "",
-        methods: &["dempster-shafer-murphy", "bayes"],
+        methods: &["dempster-shafer-murphy"],
         scene: few,
     },
 ];
@@ -381,7 +409,7 @@ fn verify_rejects_faults() {
         ("nothing", "", ""),
         ("a dropped reading", "k < tile.entries.y; k++", "k + 1u < tile.entries.y; k++"),
         ("an arc cut short", "(d2 <= vec4<i32>(outer))", "(d2 <= vec4<i32>(outer - outer / 50))"),
-        ("a wrong product", "bitcast<vec4<u32>>(cells.clear)", "bitcast<vec4<u32>>(cells.clear * 0.999)"),
+        ("a wrong product", "to_one(cells.clear)", "to_one(cells.clear * 0.999)"),
     ] {
         let patches: &[(&str, &str)] = if from.is_empty() { &[] } else { &[(from, to)] };
         let Some(mut gpu) = patched_gpu(patches) else { return };

@@ -60,7 +60,7 @@ fn run_cones(method: &dyn Method, size: [usize; 2], cones: Vec<Cone>, grid: &Gri
 
 fn cells(method: &dyn Method, size: [usize; 2], chunks: &Chunks) -> Vec<Vec<u32>> {
     assert!(size.iter().all(|s| *s <= CHUNK * TILE), "one chunk");
-    let fresh: Vec<u32> = [0, 0].iter().chain(method.start()).copied().collect();
+    let fresh = vec![0; method::planes(method)];
     let mut cells = vec![fresh; size[0] * size[1]];
     let Some(state) = chunks.get(&[0, 0]) else { return cells };
     for (k, cell) in cells.iter_mut().enumerate() {

@@ -119,6 +119,7 @@ fn constants_agree() {
             ("LASER", number(LASER)),
             ("HALF_OPEN", number(HALF_OPEN)),
             ("WIDE", number(WIDE)),
+            ("BROAD", number(BROAD)),
             ("ARC", number(ARC)),
             ("INSIDE", number(INSIDE)),
             ("ENTRY_SHIFT", number(ENTRY_SHIFT)),

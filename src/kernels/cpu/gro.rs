@@ -57,8 +57,12 @@ pub fn apply(method: &dyn Method, frame: Frame, batch: &Batch, chunks: &mut Chun
 /// The cells of a tile before the hit, and the hit cell: a bit each, row by row.
 #[inline(always)]
 fn regions<S: Simd>(sight: Sight<S>, cone: &Cone) -> [[u64; 2]; TILE] {
-    let bits = |y| sight.axis_row(cone, y).map_or([0; 2], |row| [row.interior.to_bitmask(), row.arc.to_bitmask()]);
-    std::array::from_fn(bits)
+    let mut regions = [[0; 2]; TILE];
+    for (y, region) in regions.iter_mut().enumerate() {
+        let row = sight.axis_row(cone, y);
+        *region = [row.interior.to_bitmask(), row.arc.to_bitmask()];
+    }
+    regions
 }
 
 /// The eight cells around one; those left of or below the grid wrap far beyond its other end.

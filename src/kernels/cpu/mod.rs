@@ -2,8 +2,10 @@
 //! dispatch. They follow the WGSL operation by operation, in the same order.
 
 mod gro;
+mod reach;
 mod walk;
 
+pub use reach::Reached;
 pub use walk::{Job, Kernel, plane, walk};
 
 use super::{Backend, Chunks, Limits, Shares, fresh_chunk, shares, tally};

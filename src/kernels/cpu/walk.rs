@@ -1,6 +1,7 @@
 //! The drivers of the CPU's passes: a tile's list of readings, in log order, row by row; twins of `shaders/driver/*.wgsl`.
 
-use crate::cone::{Row, Rows, Sight};
+use super::reach::{Reach, Reached};
+use crate::cone::rows;
 use crate::layout::*;
 use crate::method::Pass;
 use fearless_simd::prelude::*;
@@ -37,12 +38,17 @@ pub trait Kernel: Sync {
     /// And back.
     fn store<S: Simd>(cells: Self::Cells<S>, planes: &mut [[u32; TILE]], row: usize);
 
+    /// Whether the method looks at distance and angle.
+    fn polar(&self) -> bool {
+        false
+    }
+
     /// What a reading does to a row.
-    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Row<S>, share: &[u32; 4], cells: &mut Self::Cells<S>);
+    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, share: &[u32; 4], cells: &mut Self::Cells<S>);
 
     /// A reading's evidence on its arc before it is normalised, and what of the update it depends on.
-    fn weigh<S: Simd>(&self, _: &Frame, _: &Cone, row: &Row<S>, _: &mut Self::Cells<S>) -> f32x16<S> {
-        f32x16::splat(row.d2.token(), 0.0)
+    fn weigh<S: Simd>(&self, _: &Frame, _: &Cone, row: &Reached<S>, _: &mut Self::Cells<S>) -> f32x16<S> {
+        f32x16::splat(row.distance.token(), 0.0)
     }
 }
 
@@ -68,10 +74,28 @@ pub fn walk<K: Kernel>(kernel: &K, pass: Pass, job: &Job, state: &mut [u32]) {
     }
 }
 
+/// Entries whose rows are looked at together.
+const AHEAD: usize = 16;
+
+/// The places of the ones in a word of 16 bits.
+pub(super) struct Bits(pub(super) u32);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let place = self.0.trailing_zeros() as usize & (TILE - 1);
+        let some = self.0 != 0;
+        self.0 &= self.0.wrapping_sub(1);
+        some.then_some(place)
+    }
+}
+
 /// A tile and the part of it that lies in the grid.
-struct Place {
+pub(super) struct Place {
     corner: [i32; 2],
-    columns: usize,
+    pub(super) columns: usize,
     rows: usize,
 }
 
@@ -83,60 +107,25 @@ impl Place {
         Place { corner: [x as i32, y as i32], columns: (width - x) as usize, rows: TILE.min((height - y) as usize) }
     }
 
-    /// The tile as the cone sees it; a missing echo's arc only with `arcs`.
+    /// The first cell's centre from the sensor.
     #[inline(always)]
-    fn sight<S: Simd>(&self, simd: S, cone: &Cone, arcs: bool) -> Sight<S> {
+    pub(super) fn first(&self, cone: &Cone) -> [i32; 2] {
         let [i, j] = self.corner;
-        let v = [CELL * i + CELL / 2 - cone.sensor[0], CELL * j + CELL / 2 - cone.sensor[1]];
-        Sight::of(simd, cone, v, arcs || cone.flags & NO_ECHO == 0)
+        [CELL * i + CELL / 2 - cone.sensor[0], CELL * j + CELL / 2 - cone.sensor[1]]
     }
 
-    /// The tile's rows that have a member.
+    /// The rows to look at, for a few entries ahead: a loop over rows then knows its end, and doesn't wait for a cone.
     #[inline(always)]
-    fn members<'a, S: Simd>(&self, axis: bool, entry: &Entry, cone: &'a Cone, sight: &'a Sight<S>) -> Members<'a, S> {
-        let mut left = Rows { some: 0xffff, all: 0xffff };
-        if entry.cone & INSIDE == 0 {
-            left = sight.rows(cone, axis);
-            left.some &= 0xffff >> (TILE - self.rows);
-        }
-        Members { axis, columns: self.columns, cone, sight, left }
-    }
-}
-
-/// A cone's rows of a tile, one by one.
-struct Members<'a, S: Simd> {
-    axis: bool,
-    columns: usize,
-    cone: &'a Cone,
-    sight: &'a Sight<S>,
-    /// Rows still to be looked at.
-    left: Rows,
-}
-
-impl<S: Simd> Iterator for Members<'_, S> {
-    /// A row's number, and the row.
-    type Item = (usize, Row<S>);
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<(usize, Row<S>)> {
-        while self.left.some != 0 {
-            let y = self.left.some.trailing_zeros() as usize;
-            self.left.some &= self.left.some - 1;
-            let row = if self.axis {
-                self.sight.axis_row(self.cone, y)
-            } else if self.left.all >> y & 1 != 0 {
-                Some(self.sight.inside_row(self.cone, y))
-            } else {
-                self.sight.cone_row(self.cone, y)
-            };
-            if let Some(mut row) = row {
-                if self.columns < TILE {
-                    row.clip(self.columns);
-                }
-                return Some((y, row));
+    fn look<S: Simd, K: Kernel>(&self, simd: S, job: &Job, entries: &[Entry], arcs: bool) -> [u32; AHEAD] {
+        let mut looks = [0xffff; AHEAD];
+        for (look, entry) in looks.iter_mut().zip(entries) {
+            if entry.cone & INSIDE == 0 {
+                let cone = &job.cones[entry.index()];
+                let rows = rows(simd, cone, self.first(cone), arcs || cone.flags & NO_ECHO == 0, K::AXIS);
+                *look = rows & (0xffff >> (TILE - self.rows));
             }
         }
-        None
+        looks
     }
 }
 
@@ -145,23 +134,26 @@ impl<S: Simd> Iterator for Members<'_, S> {
 fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
     let place = Place::of(job);
     let (counts, planes) = state.split_at_mut(2 * TILE);
-    // Copies, so that they live in registers.
-    let frame = &{ *job.frame };
-    let counting = frame.mode & COUNT != 0;
-    for entry in job.entries {
-        let cone = &{ job.cones[entry.index()] };
-        let share = job.shares.get(cone.index as usize).copied().unwrap_or_default();
-        let sight = place.sight(simd, cone, false);
-        for (y, row) in place.members(K::AXIS, entry, cone, &sight) {
-            if counting {
-                for (plane, region) in [(0, row.interior), (TILE, row.arc)] {
-                    let count = u32x16::load_array(simd, counts[plane + y]);
-                    region.select(count + 1, count).store_array(&mut counts[plane + y]);
+    let counting = job.frame.mode & COUNT != 0;
+    let (mut reach, polar) = (Reach::new(), kernel.polar());
+    for entries in job.entries.chunks(AHEAD) {
+        let looks = place.look::<S, K>(simd, job, entries, false);
+        for (entry, look) in entries.iter().zip(looks) {
+            let cone = &job.cones[entry.index()];
+            let share = job.shares.get(cone.index as usize).copied().unwrap_or_default();
+            reach.fill::<S, K>(simd, job.frame, &place, (entry, cone, look), false, polar);
+            for y in Bits(reach.rows) {
+                let row = reach.row(simd, y);
+                if counting {
+                    for (plane, region) in [(0, row.interior), (TILE, row.arc)] {
+                        let count = u32x16::load_array(simd, counts[plane + y]);
+                        region.select(count + 1, count).store_array(&mut counts[plane + y]);
+                    }
                 }
+                let mut cells = K::load(simd, planes, y);
+                kernel.fuse(job.frame, cone, &row, &share, &mut cells);
+                K::store(cells, planes, y);
             }
-            let mut cells = K::load(simd, planes, y);
-            kernel.fuse(frame, cone, &row, &share, &mut cells);
-            K::store(cells, planes, y);
         }
     }
 }
@@ -171,26 +163,30 @@ fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [[u32; T
 #[inline(always)]
 fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &[[u32; TILE]]) {
     let place = Place::of(job);
-    let frame = &{ *job.frame };
     let mut planes = state[2 * TILE..].to_vec();
-    for entry in job.entries {
-        let cone = &{ job.cones[entry.index()] };
-        let mut columns = [0.0f32; 4];
-        let sight = place.sight(simd, cone, false);
-        for (y, row) in place.members(K::AXIS, entry, cone, &sight) {
-            let mut cells = K::load(simd, &planes, y);
-            let evidence = kernel.weigh(frame, cone, &row, &mut cells);
-            K::store(cells, &mut planes, y);
-            if row.arc.any_true() {
-                let e = evidence.to_array();
-                for g in 0..4 {
-                    columns[g] += (e[4 * g] + e[4 * g + 1]) + (e[4 * g + 2] + e[4 * g + 3]);
+    let (mut reach, polar) = (Reach::new(), kernel.polar());
+    for entries in job.entries.chunks(AHEAD) {
+        let looks = place.look::<S, K>(simd, job, entries, false);
+        for (entry, look) in entries.iter().zip(looks) {
+            let cone = &job.cones[entry.index()];
+            let mut columns = [0.0f32; 4];
+            reach.fill::<S, K>(simd, job.frame, &place, (entry, cone, look), false, polar);
+            for y in Bits(reach.rows) {
+                let row = reach.row(simd, y);
+                let mut cells = K::load(simd, &planes, y);
+                let evidence = kernel.weigh(job.frame, cone, &row, &mut cells);
+                K::store(cells, &mut planes, y);
+                if row.arc.any_true() {
+                    let e = evidence.to_array();
+                    for g in 0..4 {
+                        columns[g] += (e[4 * g] + e[4 * g + 1]) + (e[4 * g + 2] + e[4 * g + 3]);
+                    }
                 }
             }
-        }
-        if entry.cone & ARC != 0 {
-            let sum = (columns[0] + columns[1]) + (columns[2] + columns[3]);
-            job.parts[entry.slot as usize].store(sum.to_bits(), Ordering::Relaxed);
+            if entry.cone & ARC != 0 {
+                let sum = (columns[0] + columns[1]) + (columns[2] + columns[3]);
+                job.parts[entry.slot as usize].store(sum.to_bits(), Ordering::Relaxed);
+            }
         }
     }
 }
@@ -199,15 +195,16 @@ fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &[[u32; TILE
 #[inline(always)]
 fn count<S: Simd, K: Kernel>(simd: S, job: &Job) {
     let place = Place::of(job);
-    for entry in job.entries.iter().filter(|e| e.cone & ARC != 0) {
-        let cone = &{ job.cones[entry.index()] };
-        let mut cells = 0;
-        let sight = place.sight(simd, cone, true);
-        for (_, row) in place.members(K::AXIS, entry, cone, &sight) {
-            cells += row.arc.to_bitmask().count_ones();
-        }
-        if cells > 0 {
-            job.parts[cone.index as usize].fetch_add(cells, Ordering::Relaxed);
+    let mut reach = Reach::new();
+    for entries in job.entries.chunks(AHEAD) {
+        let looks = place.look::<S, K>(simd, job, entries, true);
+        for (entry, look) in entries.iter().zip(looks).filter(|e| e.0.cone & ARC != 0) {
+            let cone = &job.cones[entry.index()];
+            reach.fill::<S, K>(simd, job.frame, &place, (entry, cone, look), true, false);
+            let cells: u32 = Bits(reach.rows).map(|y| reach.arc[y].count_ones()).sum();
+            if cells > 0 {
+                job.parts[cone.index as usize].fetch_add(cells, Ordering::Relaxed);
+            }
         }
     }
 }

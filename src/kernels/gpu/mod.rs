@@ -6,14 +6,14 @@ mod device;
 mod pass;
 pub mod shader;
 
-use super::{Backend, Chunks, Limits, Shares, fresh_chunk, shares, tally};
+use super::{Backend, Chunks, Limits, Shares, shares, tally};
 use crate::batch::{Batch, ChunkList};
-use crate::layout::{CHUNK, Cone, Entry, Frame, WIDE};
+use crate::layout::{CHUNK, Cone, Entry, Frame};
 use crate::method::{self, Method, Step};
 use crate::{Error, Result};
 use adapter::Found;
 use device::Device;
-use pass::{Passes, key};
+use pass::{Needs, Passes, key};
 use shader::Kernel;
 use std::collections::BTreeMap;
 use wgpu::BufferUsages as Usage;
@@ -156,19 +156,19 @@ impl Backend for Gpu {
         shares_so_far: &mut Shares,
     ) -> Result<()> {
         self.check(method)?;
-        let wide = batch.cones.iter().any(|c| c.flags & WIDE != 0);
+        let needs = Needs::of(&batch.cones);
         for step in steps {
             match step {
-                Step::Pass(pass, _) => self.passes.prepare(&self.device, method, (*pass).into(), wide)?,
-                Step::Sum => self.passes.prepare(&self.device, method, Kernel::Sum, wide)?,
+                Step::Pass(pass, _) => self.passes.prepare(&self.device, method, (*pass).into(), needs)?,
+                Step::Sum => self.passes.prepare(&self.device, method, Kernel::Sum, needs)?,
                 Step::Share | Step::Hand | Step::Tally => {}
             }
         }
         for list in &batch.chunks {
             let place = [list.place[1], list.place[0]];
             if !self.chunks.contains_key(&place) {
-                let usage = Usage::STORAGE | Usage::COPY_SRC;
-                self.chunks.insert(place, self.device.buffer("chunk", &fresh_chunk(method), usage));
+                let bytes = method::tile_words(method) * CHUNK * CHUNK * size_of::<u32>();
+                self.chunks.insert(place, self.device.zeros("chunk", bytes as u64));
             }
         }
         shares_so_far.resize(batch.cones.len(), [0; 4]);
@@ -179,7 +179,7 @@ impl Backend for Gpu {
             let frame = self.device.buffer("frame", &[frame], Usage::UNIFORM);
             let b = &buffers;
             let bound = [&frame, &b.cones, &chunk.tiles, &chunk.entries, state, &b.parts, &b.shares, &b.first_part];
-            self.passes.record(&self.device, encoder, key(method, kernel, wide), bound, groups);
+            self.passes.record(&self.device, encoder, key(method, kernel, needs), bound, groups);
         };
         for step in steps {
             match *step {

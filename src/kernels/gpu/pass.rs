@@ -3,6 +3,7 @@
 use super::Patch;
 use super::device::Device;
 use super::shader::{self, Kernel};
+use crate::layout::{BROAD, Cone, WIDE};
 use crate::method::{self, Method};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
@@ -11,12 +12,29 @@ use std::collections::BTreeMap;
 const BINDINGS: [Option<bool>; 8] =
     [None, Some(true), Some(true), Some(true), Some(false), Some(false), Some(false), Some(true)];
 
-/// A pipeline: the method, its kernel, whether for wide readings, its variant.
-pub type Key = (&'static str, Kernel, bool, bool);
+/// What a batch's readings ask of a kernel; less is faster, on software adapters above all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Needs {
+    /// One reaches farther than 1024 cells: membership takes 64 bits.
+    pub wide: bool,
+    /// One has a β of more than 22.5°: another way to its angle.
+    pub broad: bool,
+}
+
+impl Needs {
+    /// Of these readings.
+    pub fn of(cones: &[Cone]) -> Needs {
+        let any = |flag| cones.iter().any(|c| c.flags & flag != 0);
+        Needs { wide: any(WIDE), broad: any(BROAD) }
+    }
+}
+
+/// A pipeline: the method, its kernel, what its readings ask, its variant.
+pub type Key = (&'static str, Kernel, Needs, bool);
 
 /// The pipeline of a method's kernel.
-pub fn key(method: &dyn Method, kernel: Kernel, wide: bool) -> Key {
-    (method::name(method), kernel, wide, method.variant().is_some_and(|v| v.1))
+pub fn key(method: &dyn Method, kernel: Kernel, needs: Needs) -> Key {
+    (method::name(method), kernel, needs, method.variant().is_some_and(|v| v.1))
 }
 
 /// The pipelines, and the one layout of their bindings.
@@ -51,18 +69,19 @@ impl Passes {
     }
 
     /// Makes a pipeline that is not there yet.
-    pub fn prepare(&mut self, device: &Device, method: &dyn Method, kernel: Kernel, wide: bool) -> Result<()> {
-        let key = key(method, kernel, wide);
+    pub fn prepare(&mut self, device: &Device, method: &dyn Method, kernel: Kernel, needs: Needs) -> Result<()> {
+        let key = key(method, kernel, needs);
         if self.pipelines.contains_key(&key) {
             return Ok(());
         }
         let label = format!("{} {}", key.0, kernel.name());
-        let mut source = shader::source(method, kernel, wide);
+        let mut source = shader::source(method, kernel, needs.wide);
         for (from, to) in &self.patches {
             source = source.replace(from, to);
         }
-        let variant = method.variant().filter(|_| kernel != Kernel::Sum);
-        let constants: Vec<_> = variant.map(|(name, on)| (name, f64::from(on))).into_iter().collect();
+        let overrides = method.variant().into_iter().chain([("BROAD_BEAMS", needs.broad)]);
+        let constants: Vec<_> =
+            overrides.filter(|_| kernel != Kernel::Sum).map(|(name, on)| (name, f64::from(on))).collect();
         let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(&label),
