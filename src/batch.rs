@@ -7,6 +7,7 @@
 use crate::layout::*;
 use crate::snap::{Footprint, SLACK, region};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// A chunk's share of a batch.
@@ -44,8 +45,17 @@ pub struct Binning {
     pub only: Option<[u32; 2]>,
 }
 
-/// A cone in a tile: the tile's key, and the entry.
-type Pair = (u64, Entry);
+/// A cone in a tile: the tile's slot in its chunk, and the entry.
+type Pair = (u16, Entry);
+
+/// What a run of readings reaches: each chunk's pairs in log order, by row and column; and where each reading's parts begin in
+/// the run.
+#[derive(Default)]
+struct Run {
+    chunks: BTreeMap<[u32; 2], Vec<Pair>>,
+    first_part: Vec<u32>,
+    parts: u32,
+}
 
 impl Binning {
     /// Tiles along x and y.
@@ -78,99 +88,90 @@ impl Binning {
         }
         // Runs of readings, each on its own; what follows keeps them in order, so the split leaves no trace.
         let run = cones.len().div_ceil(4 * rayon::current_num_threads()).max(64);
-        let mut runs: Vec<(Vec<Pair>, Vec<u32>)> = cones
-            .par_chunks(run)
-            .map(|cones| {
-                let (mut pairs, mut parts) = (Vec::new(), Vec::with_capacity(cones.len()));
-                let mut slot = 0;
-                for cone in cones {
-                    parts.push(slot);
-                    self.reach(cone, &mut slot, &mut pairs);
-                }
-                parts.push(slot);
-                // Stable: within a tile the log's order stays.
-                pairs.sort_by_key(|(key, _)| *key);
-                (pairs, parts)
-            })
-            .collect();
+        let runs: Vec<Run> = cones.par_chunks(run).map(|cones| self.run(cones)).collect();
         let mut first_part = Vec::with_capacity(cones.len() + 1);
+        let mut places: BTreeMap<[u32; 2], Vec<(&[Pair], u32)>> = BTreeMap::new();
         let mut before = 0;
-        for (pairs, parts) in &mut runs {
-            let own = parts.pop().unwrap_or(0);
-            first_part.extend(parts.iter().map(|p| p + before));
-            pairs.iter_mut().for_each(|(_, entry)| entry.slot += before);
-            before += own;
+        for run in &runs {
+            first_part.extend(run.first_part.iter().map(|p| p + before));
+            for (place, pairs) in &run.chunks {
+                places.entry(*place).or_default().push((pairs, before));
+            }
+            before += run.parts;
         }
         first_part.push(before);
-        let runs: Vec<Vec<Pair>> = runs.into_iter().map(|(pairs, _)| pairs).collect();
-        Batch { chunks: self.chunks(&merge(runs)), cones, first_part }
+        let chunks = places.into_par_iter().map(|([row, column], pairs)| list([column, row], &pairs)).collect();
+        Batch { chunks, cones, first_part }
     }
 
-    /// Splits sorted pairs into chunks and tiles.
-    fn chunks(&self, pairs: &[Pair]) -> Vec<ChunkList> {
-        let chunk_of = |key: u64| key >> 12;
-        pairs
-            .chunk_by(|a, b| chunk_of(a.0) == chunk_of(b.0))
-            .map(|pairs| {
-                let place = [(pairs[0].0 >> 12) as u32 & 0xf_ffff, (pairs[0].0 >> 32) as u32];
-                let mut first = 0;
-                let tiles = pairs
-                    .chunk_by(|a, b| a.0 == b.0)
-                    .map(|list| {
-                        let slot = (list[0].0 & 0xfff) as u32;
-                        let at = [slot % CHUNK as u32, slot / CHUNK as u32];
-                        let corner = [0, 1].map(|k| (place[k] * CHUNK as u32 + at[k]) * TILE as u32);
-                        let from = first;
-                        first += list.len() as u32;
-                        Tile { corner, entries: [from, first], slot, spare: [0; 3] }
-                    })
-                    .collect();
-                ChunkList { place, tiles, entries: pairs.iter().map(|p| p.1).collect() }
-            })
-            .collect()
+    /// What some readings reach.
+    fn run(&self, cones: &[Cone]) -> Run {
+        let mut run = Run::default();
+        for cone in cones {
+            run.first_part.push(run.parts);
+            self.reach(cone, &mut run);
+        }
+        run
     }
 
-    /// Appends a pair for every tile that the cone may touch, chunk by chunk and in each tile row by tile row, so that a
-    /// sum over its arc is the same whether chunks are resident together or done one after the other; `slot` counts
-    /// the tiles of its arc.
-    fn reach(&self, cone: &Cone, slot: &mut u32, pairs: &mut Vec<Pair>) {
+    /// Adds a pair for every tile that the cone may touch, chunk by chunk and in each tile row by tile row, so that a
+    /// sum over its arc is the same whether chunks are resident together or done one after the other.
+    fn reach(&self, cone: &Cone, run: &mut Run) {
         let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
-        self.tiles_of(cone, &mut |[i, j], (arc, inside)| {
-            let arc = arc && arcs;
-            let flags = if arc { ARC } else { 0 } | if inside { INSIDE } else { 0 };
-            let (chunk, at) = ([i / CHUNK as i64, j / CHUNK as i64], [i % CHUNK as i64, j % CHUNK as i64]);
-            let key = ((chunk[1] << 32) | (chunk[0] << 12) | (at[1] * CHUNK as i64 + at[0])) as u64;
-            pairs.push((key, Entry { cone: cone.index << ENTRY_SHIFT | flags, slot: *slot }));
-            *slot += u32::from(arc);
-        });
+        let shape = Shape::of(cone, self.footprint);
+        for place in self.chunks_of_shape(cone, &shape) {
+            let pairs = run.chunks.entry([place[1], place[0]]).or_default();
+            self.tiles_in(cone, &shape, place, &mut |[i, j], (arc, inside)| {
+                let arc = arc && arcs;
+                let flags = if arc { ARC } else { 0 } | if inside { INSIDE } else { 0 };
+                let slot = (j % CHUNK as i64 * CHUNK as i64 + i % CHUNK as i64) as u16;
+                pairs.push((slot, Entry { cone: cone.index << ENTRY_SHIFT | flags, slot: run.parts }));
+                run.parts += u32::from(arc);
+            });
+        }
     }
 
     /// Shows each tile that the cone may touch, by column and row: whether its arc may, and whether all of it is interior.
-    fn tiles_of(&self, cone: &Cone, show: &mut dyn FnMut([i64; 2], (bool, bool))) {
+    fn tiles_of(&self, cone: &Cone, show: &mut impl FnMut([i64; 2], (bool, bool))) {
         let shape = Shape::of(cone, self.footprint);
+        self.chunks_of_shape(cone, &shape).for_each(|place| self.tiles_in(cone, &shape, place, show));
+    }
+
+    /// The same in one chunk.
+    fn tiles_in(
+        &self,
+        cone: &Cone,
+        shape: &Shape,
+        place: [u32; 2],
+        show: &mut impl FnMut([i64; 2], (bool, bool)),
+    ) {
+        let [rows, columns] = self.within(self.spans(cone, shape), place);
         let edge = (TILE as i64) * i64::from(CELL);
-        for [column, row] in self.chunks_of(cone) {
-            let [rows, columns] = self.within(self.spans(cone, &shape), [column, row]);
-            for j in rows {
-                for i in columns.clone() {
-                    let (x, y) = (edge * i - i64::from(cone.sensor[0]), edge * j - i64::from(cone.sensor[1]));
-                    let Some((arc, inside)) = shape.meets(x, y) else { continue };
-                    let whole = (i + 1) as usize * TILE <= self.size[0] && (j + 1) as usize * TILE <= self.size[1];
-                    show([i, j], (arc, inside && whole));
-                }
+        let extremes = |k: usize, tile: i64| shape.extremes(k, edge * tile - i64::from(cone.sensor[k]));
+        let across: Vec<Extremes> = columns.clone().map(|i| extremes(0, i)).collect();
+        for j in rows {
+            let up = extremes(1, j);
+            for (i, column) in columns.clone().zip(&across) {
+                let Some((arc, inside)) = shape.meets(column, &up) else { continue };
+                let whole = (i + 1) as usize * TILE <= self.size[0] && (j + 1) as usize * TILE <= self.size[1];
+                show([i, j], (arc, inside && whole));
             }
         }
     }
 
     /// The chunks of a cone's box, by column and row, row by row.
     pub fn chunks_of(&self, cone: &Cone) -> Vec<[u32; 2]> {
-        let shape = Shape::of(cone, self.footprint);
-        let [rows, columns] = self.spans(cone, &shape).map(|s| {
+        self.chunks_of_shape(cone, &Shape::of(cone, self.footprint)).collect()
+    }
+
+    fn chunks_of_shape(&self, cone: &Cone, shape: &Shape) -> impl Iterator<Item = [u32; 2]> {
+        let [rows, columns] = self.spans(cone, shape).map(|s| {
             let chunk = |tile: i64| tile.div_euclid(CHUNK as i64) as u32;
             if s.is_empty() { 0..0 } else { chunk(s.start)..chunk(s.end - 1) + 1 }
         });
-        let all = rows.flat_map(|row| columns.clone().map(move |column| [column, row]));
-        all.filter(|place| self.only.is_none_or(|only| only == *place)).collect()
+        let only = self.only;
+        rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
+            .filter(move |place| only.is_none_or(|only| only == *place))
     }
 
     /// The part of tile rows and tile columns in a chunk.
@@ -203,35 +204,29 @@ impl Binning {
     }
 }
 
-/// Merges sorted runs into one, equal keys in the order of the runs.
-fn merge(mut runs: Vec<Vec<Pair>>) -> Vec<Pair> {
-    while runs.len() > 1 {
-        runs = runs
-            .par_chunks(2)
-            .map(|pair| match pair {
-                [a, b] => merge_two(a, b),
-                _ => pair[0].clone(),
-            })
-            .collect();
-    }
-    runs.pop().unwrap_or_default()
-}
-
-fn merge_two(a: &[Pair], b: &[Pair]) -> Vec<Pair> {
-    let mut merged = Vec::with_capacity(a.len() + b.len());
-    let (mut i, mut j) = (0, 0);
-    while i < a.len() && j < b.len() {
-        if a[i].0 <= b[j].0 {
-            merged.push(a[i]);
-            i += 1;
-        } else {
-            merged.push(b[j]);
-            j += 1;
+/// A chunk's lists from its pairs, run by run with the number of parts before each: sorted by counting, which keeps the log's
+/// order within a tile.
+fn list(place: [u32; 2], runs: &[(&[Pair], u32)]) -> ChunkList {
+    let pairs = || runs.iter().flat_map(|(pairs, before)| pairs.iter().map(move |pair| (pair, before)));
+    let mut ends = [0u32; CHUNK * CHUNK];
+    pairs().for_each(|((slot, _), _)| ends[usize::from(*slot)] += 1);
+    let (mut tiles, mut sum) = (Vec::new(), 0);
+    for (slot, end) in ends.iter_mut().enumerate() {
+        let count = std::mem::replace(end, sum);
+        if count > 0 {
+            let at = [slot % CHUNK, slot / CHUNK].map(|s| s as u32);
+            let corner = [0, 1].map(|k| (place[k] * CHUNK as u32 + at[k]) * TILE as u32);
+            tiles.push(Tile { corner, entries: [sum, sum + count], slot: slot as u32, spare: [0; 3] });
+            sum += count;
         }
     }
-    merged.extend_from_slice(&a[i..]);
-    merged.extend_from_slice(&b[j..]);
-    merged
+    let mut entries = vec![Entry { cone: 0, slot: 0 }; sum as usize];
+    for ((slot, entry), before) in pairs() {
+        let end = &mut ends[usize::from(*slot)];
+        entries[*end as usize] = Entry { slot: entry.slot + before, ..*entry };
+        *end += 1;
+    }
+    ChunkList { place, tiles, entries }
 }
 
 /// A cone's outline relative to its sensor, in 64-bit units.
@@ -283,38 +278,40 @@ impl Shape {
         }
     }
 
-    /// Whether the cone may touch the tile whose lower left corner is at (x, y) from the sensor: (its arc may, all of the
-    /// tile is interior).
-    fn meets(&self, x: i64, y: i64) -> Option<(bool, bool)> {
-        // The box of the cells' centres.
-        let half = i64::from(CELL / 2);
-        let last = i64::from(CELL) * (TILE as i64 - 1);
-        let (xs, ys) = ([x + half, x + half + last], [y + half, y + half + last]);
-        let extremes = |a: [i64; 2], b: [i64; 2]| -> [i64; 2] {
-            let products = [a[0] * xs[0], a[0] * xs[1]];
-            let others = [b[0] * ys[0], b[0] * ys[1]];
-            [
-                products[0].min(products[1]) + others[0].min(others[1]),
-                products[0].max(products[1]) + others[0].max(others[1]),
-            ]
-        };
+    /// A tile column's (`k` 0) or tile row's (1) part of its tiles' extremes; it begins at `at` from the sensor.
+    fn extremes(&self, k: usize, at: i64) -> Extremes {
+        // The cells' centres.
+        let low = at + i64::from(CELL / 2);
+        let high = low + i64::from(CELL) * (TILE as i64 - 1);
+        let by = |factor: i64| if factor < 0 { [factor * high, factor * low] } else { [factor * low, factor * high] };
         // cross(a, v) = a.x·v.y − a.y·v.x; dot(a, v) = a.x·v.x + a.y·v.y.
-        let cross_range = |a: [i64; 2]| extremes([-a[1], 0], [a[0], 0]);
-        let nearest = |range: [i64; 2]| 0.clamp(range[0], range[1]);
-        let farthest = |range: [i64; 2]| range[0].abs().max(range[1].abs());
-        let near2 = nearest(xs).pow(2) + nearest(ys).pow(2);
-        let far2 = farthest(xs).pow(2) + farthest(ys).pow(2);
-        let along = extremes([self.axis[0], 0], [self.axis[1], 0]);
-        let across = cross_range(self.axis);
+        let cross = |a: [i64; 2]| by(if k == 0 { -a[1] } else { a[0] });
+        Extremes {
+            left: cross(self.left),
+            right: cross(self.right),
+            across: cross(self.axis),
+            along: by(self.axis[k]),
+            near2: 0.clamp(low, high).pow(2),
+            far2: low.abs().max(high.abs()).pow(2),
+        }
+    }
+
+    /// Whether the cone may touch the tile of this column and row: (its arc may, all of the tile is interior).
+    fn meets(&self, column: &Extremes, row: &Extremes) -> Option<(bool, bool)> {
+        let sum = |a: [i64; 2], b: [i64; 2]| [a[0] + b[0], a[1] + b[1]];
+        let half = i64::from(CELL / 2);
+        let (near2, far2) = (column.near2 + row.near2, column.far2 + row.far2);
+        let along = sum(column.along, row.along);
         let direction = i64::from(DIRECTION);
         let in_band = |width: i64, before: i64| {
+            let across = sum(column.across, row.across);
             across[0] <= width && across[1] >= -width && along[1] >= before && along[0] <= self.outer * direction
         };
         match self.footprint {
             // On the axis: within half a cell of it along the other world axis, so at most that far from it.
             Footprint::Axis => in_band(half * direction, -SLACK * direction).then_some((true, false)),
             Footprint::Cone | Footprint::Wedge => {
-                let (left, right) = (cross_range(self.left), cross_range(self.right));
+                let (left, right) = (sum(column.left, row.left), sum(column.right, row.right));
                 let in_wedge = left[0] <= 0 && right[1] >= 0 && along[1] >= 0;
                 if near2 > self.outer2 || !(in_wedge || self.laser && in_band(half * direction, 0)) {
                     return None;
@@ -324,6 +321,17 @@ impl Shape {
             }
         }
     }
+}
+
+/// The least and the largest of a cone's products with v over a tile, and the squares of its nearest and farthest distance:
+/// the part of a column of tiles, or of a row.
+struct Extremes {
+    left: [i64; 2],
+    right: [i64; 2],
+    across: [i64; 2],
+    along: [i64; 2],
+    near2: i64,
+    far2: i64,
 }
 
 fn cross(a: [i64; 2], v: [i64; 2]) -> i64 {

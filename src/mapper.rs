@@ -139,8 +139,13 @@ impl<'a> Mapper<'a> {
 
     /// The finished map.
     pub fn finish(self) -> Result<Finished> {
-        let chunks = self.backend.finish(self.method)?;
-        Ok(layers::from_chunks(&self.grid, self.method, &chunks))
+        let mut chunks = self.backend.finish(self.method)?;
+        let finished = layers::from_chunks(&self.grid, self.method, &chunks);
+        while let Some((_, mut words)) = chunks.pop_first() {
+            words.fill(0);
+            self.backend.spare(words);
+        }
+        Ok(finished)
     }
 }
 

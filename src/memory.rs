@@ -61,7 +61,7 @@ pub fn needed(grid: &GridSpec, method: &dyn Method, batch: usize) -> u64 {
     state + layers + batched(batch)
 }
 
-/// What the whole-log way takes, bytes, apart from the readings that it may spill: three chunks of cells on their way, with
+/// What the whole-log way takes, bytes, apart from the readings that it may spill: three chunks of cells on their way and a spare one, with
 /// their layers and one that is written; batches on both sides of a kernel; what it found for each reading; the pictures.
 pub fn whole(grid: &GridSpec, method: &dyn Method, batch: usize, readings: u64) -> u64 {
     let edge = TILE * CHUNK;
@@ -70,7 +70,7 @@ pub fn whole(grid: &GridSpec, method: &dyn Method, batch: usize, readings: u64) 
     let layers = cells * (4 * (method.layers().len() as u64 + 1) + 8 + 2 + 4);
     let batch = batch.min(usize::try_from(readings).unwrap_or(usize::MAX));
     let found = if method.rounds().is_some_and(|r| r.len() > 1) { 4 * readings } else { 0 };
-    3 * (words + layers) + 3 * batched(batch) + found + (1 << 24)
+    4 * words + 3 * layers + 3 * batched(batch) + found + (1 << 24)
 }
 
 /// Readings at a time in the whole-log way: no more than `batch`, and so few that batches take a third of `limit`.

@@ -10,8 +10,8 @@ pub use choose::{Choice, Chosen, choose, gpu_required};
 
 use crate::Result;
 use crate::batch::Batch;
-use crate::layout::{self, Cone, Frame, NO_ECHO};
-use crate::method::{self, Method, Step};
+use crate::layout::{Cone, Frame, NO_ECHO};
+use crate::method::{Method, Step};
 use crate::reading::Outcome;
 use std::collections::BTreeMap;
 
@@ -68,14 +68,11 @@ pub trait Backend {
     /// Hands over the cells of the chunk in this row and column, and forgets them; `None`: nothing reached it.
     fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>>;
 
+    /// Takes the memory of a chunk that was handed over, zeros again, for another.
+    fn spare(&mut self, _zeros: Vec<u32>) {}
+
     /// Hands over all cells and forgets them.
     fn finish(&mut self, method: &dyn Method) -> Result<Chunks>;
-}
-
-/// A chunk of cells that no reading has reached.
-pub fn fresh_chunk(method: &dyn Method) -> Vec<u32> {
-    // Zeros come from the system as needed: tiles that no reading reaches cost no memory.
-    vec![0; method::tile_words(method) * layout::CHUNK * layout::CHUNK]
 }
 
 /// Each reading's share from its count of arc cells.

@@ -2,7 +2,7 @@
 
 use super::{Bins, Place, part};
 use crate::batch::{Batch, Binning};
-use crate::kernels::{Backend, Limits, Shares, shares};
+use crate::kernels::{Backend, Chunks, Limits, Shares, shares};
 use crate::layers;
 use crate::layout::Cone;
 use crate::mapper::{Finished, PAIRS, count, frame, snap_item, too_large};
@@ -198,11 +198,18 @@ impl<'a> Run<'a> {
                 }
             });
             let (finished, chunks) = sync_channel::<(Place, Vec<u32>)>(1);
+            let (give_back, zeros) = sync_channel::<Vec<u32>>(1);
             let taker = take.map(|take| {
                 scope.spawn(move || {
                     for (place, words) in chunks {
                         let grid = part(&session.grid, place);
-                        let finished = layers::from_chunks(&grid, method, &[([0, 0], words)].into());
+                        let mut cells: Chunks = [([0, 0], words)].into();
+                        let finished = layers::from_chunks(&grid, method, &cells);
+                        if let Some((_, mut words)) = cells.pop_first() {
+                            words.fill(0);
+                            // If the one before is still there, one is enough.
+                            let _ = give_back.try_send(words);
+                        }
                         take(Chunk { place, finished })?;
                     }
                     Ok(())
@@ -216,14 +223,18 @@ impl<'a> Run<'a> {
                         true => shares(method, before, &batch.cones),
                         false => before.map(|word| [word, 0, 0, 0]).collect(),
                     };
+                    zeros.try_iter().for_each(|zeros| backend.spare(zeros));
                     backend.apply(method, frame(&session.grid, method), &batch, steps, &mut share)?;
                     if !last_round {
                         numbers.iter().zip(&share).for_each(|(n, s)| found[*n as usize] = s[0]);
                     }
                     progress(numbers.len() as u64);
-                    if last && let Some(words) = backend.take(place)? {
-                        // A taker that failed has the error.
-                        if last_round && finished.send((place, words)).is_err() {
+                    if last && let Some(mut words) = backend.take(place)? {
+                        if !last_round {
+                            words.fill(0);
+                            backend.spare(words);
+                        } else if finished.send((place, words)).is_err() {
+                            // A taker that failed has the error.
                             break;
                         }
                     }

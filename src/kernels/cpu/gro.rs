@@ -3,9 +3,8 @@
 
 use crate::batch::Batch;
 use crate::cone::Sight;
-use crate::kernels::{Chunks, fresh_chunk};
+use crate::kernels::Chunks;
 use crate::layout::*;
-use crate::method::Method;
 use crate::method::himm::{HIT, MOST, ONE};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -14,10 +13,7 @@ use fearless_simd::{Level, dispatch};
 const WORDS: usize = 3 * TILE_CELLS;
 
 /// Applies a batch.
-pub fn apply(method: &dyn Method, frame: Frame, batch: &Batch, chunks: &mut Chunks) {
-    for list in &batch.chunks {
-        chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| fresh_chunk(method));
-    }
+pub fn apply(frame: Frame, batch: &Batch, chunks: &mut Chunks) {
     // Tile lists turned round: each reading's tiles.
     let mut reached: Vec<Vec<[u32; 2]>> = vec![Vec::new(); batch.cones.len()];
     for list in &batch.chunks {

@@ -8,9 +8,9 @@ mod walk;
 pub use reach::Reached;
 pub use walk::{Job, Kernel, plane, walk};
 
-use super::{Backend, Chunks, Limits, Shares, fresh_chunk, shares, tally};
+use super::{Backend, Chunks, Limits, Shares, shares, tally};
 use crate::batch::{Batch, ChunkList};
-use crate::layout::Frame;
+use crate::layout::{CHUNK, Frame};
 use crate::method::settings::Settings;
 use crate::method::{self, Method, Pass, Step};
 use crate::{Error, Result};
@@ -21,6 +21,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 pub struct Cpu {
     pool: rayon::ThreadPool,
     chunks: Chunks,
+    /// Zeros to be used again: a first touch of new memory costs a system call a page.
+    spare: Vec<Vec<u32>>,
+}
+
+/// A chunk of cells that no reading has reached, for a method whose tiles have so many words.
+fn fresh_chunk(spare: &mut Vec<Vec<u32>>, tile_words: usize) -> Vec<u32> {
+    let words = tile_words * CHUNK * CHUNK;
+    // Zeros come from the system as needed: tiles that no reading reaches cost no memory.
+    spare.pop().filter(|zeros| zeros.len() == words).unwrap_or_else(|| vec![0; words])
 }
 
 impl Cpu {
@@ -30,7 +39,7 @@ impl Cpu {
             .num_threads(threads)
             .build()
             .map_err(|e| Error::Resources(format!("can't start {threads} threads: {e}")))?;
-        Ok(Cpu { pool, chunks: Chunks::new() })
+        Ok(Cpu { pool, chunks: Chunks::new(), spare: Vec::new() })
     }
 }
 
@@ -59,11 +68,15 @@ impl Backend for Cpu {
         steps: &[Step],
         shares_so_far: &mut Shares,
     ) -> Result<()> {
-        let Cpu { pool, chunks } = self;
+        let Cpu { pool, chunks, spare } = self;
+        let words = method::tile_words(method);
+        for list in &batch.chunks {
+            chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| fresh_chunk(spare, words));
+        }
         if let Settings::Himm(himm) = method.settings()
             && himm.gro
         {
-            gro::apply(method, frame, batch, chunks);
+            gro::apply(frame, batch, chunks);
             return Ok(());
         }
         let parts = batch.first_part.last().copied().unwrap_or(0) as usize;
@@ -76,9 +89,9 @@ impl Backend for Cpu {
                     Step::Pass(pass, mode) => {
                         let frame = Frame { mode, ..frame };
                         for list in &batch.chunks {
-                            let state =
-                                chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| fresh_chunk(method));
-                            run(method, pass, &frame, batch, list, &parts, &share, state);
+                            if let Some(state) = chunks.get_mut(&[list.place[1], list.place[0]]) {
+                                run(method, pass, &frame, batch, list, &parts, &share, state);
+                            }
                         }
                     }
                     Step::Sum => share = sums(batch, &parts, &share),
@@ -93,6 +106,10 @@ impl Backend for Cpu {
 
     fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>> {
         Ok(self.chunks.remove(&place))
+    }
+
+    fn spare(&mut self, zeros: Vec<u32>) {
+        self.spare.push(zeros);
     }
 
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
