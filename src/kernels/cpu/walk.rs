@@ -5,7 +5,7 @@ use crate::cone::rows;
 use crate::layout::*;
 use crate::method::Pass;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, f32x16, u32x16};
+use fearless_simd::{Level, dispatch, f32x16, mask32x16, u32x16};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A tile's work in one pass.
@@ -134,7 +134,6 @@ impl Place {
 fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
     let place = Place::of(job);
     let (counts, planes) = state.split_at_mut(2 * TILE);
-    let counting = job.frame.mode & COUNT != 0;
     let (mut reach, polar) = (Reach::new(), kernel.polar());
     for entries in job.entries.chunks(AHEAD) {
         let looks = place.look::<S, K>(simd, job, entries, false);
@@ -142,20 +141,50 @@ fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [[u32; T
             let cone = &job.cones[entry.index()];
             let share = job.shares.get(cone.index as usize).copied().unwrap_or_default();
             reach.fill::<S, K>(simd, job.frame, &place, (entry, cone, look), false, polar);
-            for y in Bits(reach.rows) {
-                let row = reach.row(simd, y);
-                if counting {
-                    for (plane, region) in [(0, row.interior), (TILE, row.arc)] {
-                        let count = u32x16::load_array(simd, counts[plane + y]);
-                        region.select(count + 1, count).store_array(&mut counts[plane + y]);
-                    }
-                }
-                let mut cells = K::load(simd, planes, y);
-                kernel.fuse(job.frame, cone, &row, &share, &mut cells);
-                K::store(cells, planes, y);
+            // Most tiles lie off the arc: theirs is a loop without it.
+            if entry.cone & ARC != 0 {
+                update::<S, K, true>(simd, kernel, job.frame, cone, &share, &reach, counts, planes);
+            } else {
+                update::<S, K, false>(simd, kernel, job.frame, cone, &share, &reach, counts, planes);
             }
         }
     }
+}
+
+/// Updates the rows that one reading reaches; without `ARCS` none has a cell on its arc.
+#[allow(clippy::too_many_arguments, reason = "a loop's body")]
+#[inline(always)]
+fn update<S: Simd, K: Kernel, const ARCS: bool>(
+    simd: S,
+    kernel: &K,
+    frame: &Frame,
+    cone: &Cone,
+    share: &[u32; 4],
+    reach: &Reach,
+    counts: &mut [[u32; TILE]],
+    planes: &mut [[u32; TILE]],
+) {
+    for y in Bits(reach.rows) {
+        let mut row = reach.row(simd, y);
+        if !ARCS {
+            row.arc = mask32x16::splat(simd, false);
+        }
+        if frame.mode & COUNT != 0 {
+            count_row(simd, row.interior, &mut counts[y]);
+            if ARCS {
+                count_row(simd, row.arc, &mut counts[TILE + y]);
+            }
+        }
+        let mut cells = K::load(simd, planes, y);
+        kernel.fuse(frame, cone, &row, share, &mut cells);
+        K::store(cells, planes, y);
+    }
+}
+
+#[inline(always)]
+fn count_row<S: Simd>(simd: S, region: mask32x16<S>, counts: &mut [u32; TILE]) {
+    let count = u32x16::load_array(simd, *counts);
+    region.select(count + 1, count).store_array(counts);
 }
 
 /// Sums each reading's evidence on the tile's part of its arc: four cells of a row at a time as the GPU's threads do, down
