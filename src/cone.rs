@@ -95,14 +95,39 @@ impl<S: Simd> Sight<S> {
         }
     }
 
-    /// Classifies row `y`.
+    /// Which rows the cone may touch, a bit each, from their ends alone.
+    ///
+    /// The edges and the circles are convex: a row has members only if an end lies inside each edge and its nearest point
+    /// within reach.
     #[inline(always)]
-    pub fn cone_row(&self, cone: &Cone, y: usize) -> Row<S> {
+    pub fn rows(&self, cone: &Cone, axis_only: bool) -> u32 {
         if cone.flags & WIDE != 0 {
-            let mut row = wide_row(self.simd, cone, [self.v[0], self.v[1] + CELL * y as i32]);
-            row.arc &= mask32x16::splat(self.simd, self.arcs);
-            return row;
+            return 0xffff;
         }
+        let simd = self.simd;
+        let width = CELL * (TILE as i32 - 1);
+        let (x0, x1) = (self.v[0], self.v[0] + width);
+        let near = 0.clamp(x0, x1);
+        // The least and the largest of a row's values lie at its ends: each row's part, and that of an end.
+        let rows = |split: &Split<S>| i32x16::load_array(simd, split.rows);
+        let least = |step: i32| step * x0 + (step * width).min(0);
+        let most = |step: i32| step * x0 + (step * width).max(0);
+        let half = CELL / 2 * DIRECTION;
+        let wedge = (rows(&self.left) + least(-cone.left[1])).simd_le(self.left_limit)
+            & (rows(&self.right) + most(-cone.right[1])).simd_ge(0)
+            & (rows(&self.along) + most(cone.axis[0])).simd_ge(0)
+            & (rows(&self.d2) + near * near).simd_le(self.outer);
+        if !axis_only && cone.flags & LASER == 0 {
+            return wedge.to_bitmask() as u32;
+        }
+        let across = rows(&self.across);
+        let strip = (across + least(-cone.axis[1])).simd_le(half) & (across + most(-cone.axis[1])).simd_ge(-half);
+        (if axis_only { strip } else { strip | wedge }).to_bitmask() as u32
+    }
+
+    /// Classifies row `y`; without `ARCS` only its interior.
+    #[inline(always)]
+    pub fn cone_row<const ARCS: bool>(&self, cone: &Cone, y: usize) -> Row<S> {
         let (d2, across, along) = (self.d2.row(y), self.across.row(y), self.along.row(y));
         let ahead = along.simd_ge(0);
         let mut inside = self.left.row(y).simd_le(self.left_limit) & self.right.row(y).simd_ge(0) & ahead;
@@ -110,16 +135,24 @@ impl<S: Simd> Sight<S> {
             let band = across.abs().simd_le(CELL / 2 * DIRECTION) & along.simd_le(cone.reach[1] * DIRECTION);
             inside |= band & ahead;
         }
-        inside &= d2.simd_le(self.outer);
-        Row { interior: inside & d2.simd_lt(self.inner), arc: inside & d2.simd_ge(self.inner), ..self.numbers(y) }
+        let interior = inside & d2.simd_lt(self.inner);
+        if !ARCS {
+            return Row { interior, ..self.numbers(y) };
+        }
+        Row { interior, arc: inside & d2.simd_ge(self.inner) & d2.simd_le(self.outer), ..self.numbers(y) }
+    }
+
+    /// The same in 64 bits, for a cone that reaches far.
+    #[inline(always)]
+    pub fn wide_row(&self, cone: &Cone, y: usize) -> Row<S> {
+        let mut row = wide_row(self.simd, cone, [self.v[0], self.v[1] + CELL * y as i32]);
+        row.arc &= mask32x16::splat(self.simd, self.arcs);
+        row
     }
 
     /// A row that is interior throughout: no test.
     #[inline(always)]
-    pub fn inside_row(&self, cone: &Cone, y: usize) -> Row<S> {
-        if cone.flags & WIDE != 0 {
-            return wide_row(self.simd, cone, [self.v[0], self.v[1] + CELL * y as i32]);
-        }
+    pub fn inside_row(&self, y: usize) -> Row<S> {
         Row { interior: mask32x16::splat(self.simd, true), ..self.numbers(y) }
     }
 
@@ -139,52 +172,24 @@ impl<S: Simd> Sight<S> {
     /// HIMM's row: the cells on the acoustic axis before the hit (interior) and the hit cell (arc).
     #[inline(always)]
     pub fn axis_row(&self, cone: &Cone, y: usize) -> Row<S> {
-        let simd = self.simd;
         let v = [self.v[0], self.v[1] + CELL * y as i32];
-        let [before, hit] = if cone.flags & WIDE == 0 {
-            on_axis(simd, cone.axis, cone.reach[0], v)
-        } else {
-            wide_axis_cells(cone, v).map(|bits| mask32x16::from_bitmask(simd, bits))
-        };
+        self.axis_regions(cone, y, on_axis(self.simd, cone.axis, cone.reach[0], v))
+    }
+
+    /// The same in 64 bits.
+    #[inline(always)]
+    pub fn wide_axis_row(&self, cone: &Cone, y: usize) -> Row<S> {
+        let [before, hit] = wide_axis_cells(cone, [self.v[0], self.v[1] + CELL * y as i32]);
+        let regions = [mask32x16::from_bitmask(self.simd, before), mask32x16::from_bitmask(self.simd, hit)];
+        self.axis_regions(cone, y, regions)
+    }
+
+    #[inline(always)]
+    fn axis_regions(&self, cone: &Cone, y: usize, [before, hit]: [mask32x16<S>; 2]) -> Row<S> {
         // Without an echo the last cell is empty too.
-        let silent = mask32x16::splat(simd, cone.flags & NO_ECHO != 0);
+        let silent = mask32x16::splat(self.simd, cone.flags & NO_ECHO != 0);
         Row { interior: before | (hit & silent), arc: hit & !silent, ..self.numbers(y) }
     }
-}
-
-/// Which rows of a tile a cone may touch, a bit each, from their ends alone; `v` is its first cell's centre from the sensor.
-/// Without `arcs` the cone ends where its arc begins.
-///
-/// The edges and the circles are convex: a row has members only if an end lies inside each edge and its nearest point within
-/// reach.
-#[inline(always)]
-pub fn rows<S: Simd>(simd: S, cone: &Cone, v: [i32; 2], arcs: bool, axis_only: bool) -> u32 {
-    if cone.flags & WIDE != 0 {
-        return 0xffff;
-    }
-    let y = i32x16::load_array(simd, STEPS) + v[1];
-    let width = CELL * (TILE as i32 - 1);
-    let (x0, x1) = (v[0], v[0] + width);
-    let near = 0.clamp(x0, x1);
-    // The least and the largest of a linear function's columns' part.
-    let ends = |step: i32| (step * x0 + (step * width).min(0), step * x0 + (step * width).max(0));
-    let across = (y * cone.axis[0], ends(-cone.axis[1]));
-    let half = CELL / 2 * DIRECTION;
-    let strip = (across.0 + across.1.0).simd_le(half) & (across.0 + across.1.1).simd_ge(-half);
-    if axis_only {
-        return strip.to_bitmask() as u32;
-    }
-    let (inner, outer) = (cone.reach[0] * cone.reach[0], cone.reach[1] * cone.reach[1]);
-    let left = (y * cone.left[0], ends(-cone.left[1]));
-    let right = (y * cone.right[0], ends(-cone.right[1]));
-    let along = (y * cone.axis[1], ends(cone.axis[0]));
-    let left_limit = -i32::from(cone.flags & HALF_OPEN != 0);
-    let wedge = (left.0 + left.1.0).simd_le(left_limit)
-        & (right.0 + right.1.1).simd_ge(0)
-        & (along.0 + along.1.1).simd_ge(0)
-        & (y * y + near * near).simd_le(if arcs { outer } else { inner - 1 });
-    let some = if cone.flags & LASER != 0 { strip | wedge } else { wedge };
-    some.to_bitmask() as u32
 }
 
 /// Which cells lie on the axis before the hit, and which is the hit cell (SPEC: c is the axis' larger component).

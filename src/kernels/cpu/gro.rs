@@ -55,7 +55,7 @@ pub fn apply(frame: Frame, batch: &Batch, chunks: &mut Chunks) {
 fn regions<S: Simd>(sight: Sight<S>, cone: &Cone) -> [[u64; 2]; TILE] {
     let mut regions = [[0; 2]; TILE];
     for (y, region) in regions.iter_mut().enumerate() {
-        let row = sight.axis_row(cone, y);
+        let row = if cone.flags & WIDE != 0 { sight.wide_axis_row(cone, y) } else { sight.axis_row(cone, y) };
         *region = [row.interior.to_bitmask(), row.arc.to_bitmask()];
     }
     regions

@@ -4,9 +4,9 @@
 //! processor has several under way, instead of one long one.
 
 use super::walk::{Bits, Kernel, Place};
-use crate::cone::Sight;
+use crate::cone::{Row, Sight};
 use crate::layout::*;
-use crate::profile::polar;
+use crate::profile;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
 
@@ -44,36 +44,59 @@ impl Reach {
         }
     }
 
-    /// Looks at the rows whose bit is set; a missing echo's arc only with `arcs`, distances and angles with `polar`.
+    /// Fills the rows whose bit is set; without `ARCS` none has a cell on the arc; distances and angles only with `polar`.
     #[inline(always)]
-    pub(super) fn fill<S: Simd, K: Kernel>(
+    pub(super) fn fill<S: Simd, K: Kernel, const ARCS: bool>(
         &mut self,
-        simd: S,
         frame: &Frame,
         place: &Place,
-        (entry, cone, rows): (&Entry, &Cone, u32),
-        arcs: bool,
-        with_polar: bool,
+        (entry, cone): (&Entry, &Cone),
+        sight: &Sight<S>,
+        rows: u32,
+        polar: bool,
     ) {
-        let sight = Sight::of(simd, cone, place.first(cone), arcs || cone.flags & NO_ECHO == 0);
         let columns = 0xffffu32 >> (TILE - place.columns.min(TILE));
-        let inside = entry.cone & INSIDE != 0;
         self.rows = rows;
-        for y in Bits(rows) {
-            let row = if K::AXIS {
-                sight.axis_row(cone, y)
-            } else if inside {
-                sight.inside_row(cone, y)
-            } else {
-                sight.cone_row(cone, y)
-            };
-            self.interior[y] = row.interior.to_bitmask() as u32 & columns;
-            self.arc[y] = row.arc.to_bitmask() as u32 & columns;
-            if with_polar {
-                let (distance, turn) = polar(frame, cone, &row);
-                distance.store_array(&mut self.distance[y]);
-                turn.store_array(&mut self.turn[y]);
+        // A loop each, without a branch or a call that the others need.
+        match (cone.flags & WIDE != 0, K::AXIS, entry.cone & INSIDE != 0) {
+            (true, true, _) => {
+                for y in Bits(rows) {
+                    self.set::<S, true>(y, &sight.wide_axis_row(cone, y), columns, None);
+                }
             }
+            (true, false, _) => {
+                for y in Bits(rows) {
+                    self.set::<S, true>(y, &sight.wide_row(cone, y), columns, polar.then_some((frame, cone)));
+                }
+            }
+            (false, true, _) => {
+                for y in Bits(rows) {
+                    self.set::<S, true>(y, &sight.axis_row(cone, y), columns, None);
+                }
+            }
+            (false, false, true) => {
+                for y in Bits(rows) {
+                    self.set::<S, false>(y, &sight.inside_row(y), columns, polar.then_some((frame, cone)));
+                }
+            }
+            (false, false, false) => {
+                for y in Bits(rows) {
+                    self.set::<S, ARCS>(y, &sight.cone_row::<ARCS>(cone, y), columns, polar.then_some((frame, cone)));
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn set<S: Simd, const ARCS: bool>(&mut self, y: usize, row: &Row<S>, columns: u32, polar: Option<(&Frame, &Cone)>) {
+        self.interior[y] = row.interior.to_bitmask() as u32 & columns;
+        if ARCS {
+            self.arc[y] = row.arc.to_bitmask() as u32 & columns;
+        }
+        if let Some((frame, cone)) = polar {
+            let (distance, turn) = profile::polar(frame, cone, row);
+            distance.store_array(&mut self.distance[y]);
+            turn.store_array(&mut self.turn[y]);
         }
     }
 

@@ -1,9 +1,10 @@
 //! The drivers of the CPU's passes: a tile's list of readings, in log order, row by row; twins of `shaders/driver/*.wgsl`.
 
 use super::reach::{Reach, Reached};
-use crate::cone::rows;
+use crate::cone::Sight;
 use crate::layout::*;
 use crate::method::Pass;
+use bytemuck::Zeroable;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, u32x16};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -25,7 +26,7 @@ pub struct Job<'a> {
 }
 
 /// A method's CPU half: the state of a row of cells, and what a reading does to it.
-pub trait Kernel: Sync {
+pub trait Kernel: Copy + Sync {
     /// A row of cells in registers.
     type Cells<S: Simd>: Copy;
 
@@ -107,25 +108,39 @@ impl Place {
         Place { corner: [x as i32, y as i32], columns: (width - x) as usize, rows: TILE.min((height - y) as usize) }
     }
 
-    /// The first cell's centre from the sensor.
+    /// The rows that the grid has of the tile, a bit each.
     #[inline(always)]
-    pub(super) fn first(&self, cone: &Cone) -> [i32; 2] {
-        let [i, j] = self.corner;
-        [CELL * i + CELL / 2 - cone.sensor[0], CELL * j + CELL / 2 - cone.sensor[1]]
+    fn rows(&self) -> u32 {
+        0xffff >> (TILE - self.rows)
     }
 
-    /// The rows to look at, for a few entries ahead: a loop over rows then knows its end, and doesn't wait for a cone.
+    /// The tile as a cone sees it; a missing echo's arc only with `arcs`.
     #[inline(always)]
-    fn look<S: Simd, K: Kernel>(&self, simd: S, job: &Job, entries: &[Entry], arcs: bool) -> [u32; AHEAD] {
-        let mut looks = [0xffff; AHEAD];
-        for (look, entry) in looks.iter_mut().zip(entries) {
-            if entry.cone & INSIDE == 0 {
-                let cone = &job.cones[entry.index()];
-                let rows = rows(simd, cone, self.first(cone), arcs || cone.flags & NO_ECHO == 0, K::AXIS);
-                *look = rows & (0xffff >> (TILE - self.rows));
-            }
+    fn sight<S: Simd>(&self, simd: S, cone: &Cone, arcs: bool) -> Sight<S> {
+        let [i, j] = self.corner;
+        let v = [CELL * i + CELL / 2 - cone.sensor[0], CELL * j + CELL / 2 - cone.sensor[1]];
+        Sight::of(simd, cone, v, arcs || cone.flags & NO_ECHO == 0)
+    }
+}
+
+/// A few entries' sights of the tile and the rows to look at, found ahead: a loop over rows then knows its end, and doesn't
+/// wait for a cone.
+struct Ahead<S: Simd>([(Sight<S>, u32); AHEAD]);
+
+impl<S: Simd> Ahead<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        Ahead([(Sight::of(simd, &Zeroable::zeroed(), [0, 0], false), 0); AHEAD])
+    }
+
+    /// Looks at these entries, `AHEAD` at most; a missing echo's arc only with `arcs`.
+    #[inline(always)]
+    fn look(&mut self, simd: S, axis: bool, place: &Place, job: &Job, entries: &[Entry], arcs: bool) {
+        for ((sight, rows), entry) in self.0.iter_mut().zip(entries) {
+            let cone = &job.cones[entry.index()];
+            *sight = place.sight(simd, cone, arcs);
+            *rows = if entry.cone & INSIDE != 0 { 0xffff } else { sight.rows(cone, axis) & place.rows() };
         }
-        looks
     }
 }
 
@@ -133,19 +148,22 @@ impl Place {
 #[inline(always)]
 fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
     let place = Place::of(job);
+    // Copies, so that what they decide is decided outside the loops.
+    let (kernel, frame) = (&{ *kernel }, &{ *job.frame });
     let (counts, planes) = state.split_at_mut(2 * TILE);
-    let (mut reach, polar) = (Reach::new(), kernel.polar());
+    let (mut reach, mut ahead, polar) = (Reach::new(), Ahead::new(simd), kernel.polar());
     for entries in job.entries.chunks(AHEAD) {
-        let looks = place.look::<S, K>(simd, job, entries, false);
-        for (entry, look) in entries.iter().zip(looks) {
+        ahead.look(simd, K::AXIS, &place, job, entries, false);
+        for (entry, (sight, rows)) in entries.iter().zip(&ahead.0) {
             let cone = &job.cones[entry.index()];
             let share = job.shares.get(cone.index as usize).copied().unwrap_or_default();
-            reach.fill::<S, K>(simd, job.frame, &place, (entry, cone, look), false, polar);
-            // Most tiles lie off the arc: theirs is a loop without it.
+            // Most tiles lie off the arc: theirs are loops without it.
             if entry.cone & ARC != 0 {
-                update::<S, K, true>(simd, kernel, job.frame, cone, &share, &reach, counts, planes);
+                reach.fill::<S, K, true>(frame, &place, (entry, cone), sight, *rows, polar);
+                update::<S, K, true>(simd, kernel, frame, cone, &share, &reach, counts, planes);
             } else {
-                update::<S, K, false>(simd, kernel, job.frame, cone, &share, &reach, counts, planes);
+                reach.fill::<S, K, false>(frame, &place, (entry, cone), sight, *rows, polar);
+                update::<S, K, false>(simd, kernel, frame, cone, &share, &reach, counts, planes);
             }
         }
     }
@@ -193,13 +211,13 @@ fn count_row<S: Simd>(simd: S, region: mask32x16<S>, counts: &mut [u32; TILE]) {
 fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &[[u32; TILE]]) {
     let place = Place::of(job);
     let mut planes = state[2 * TILE..].to_vec();
-    let (mut reach, polar) = (Reach::new(), kernel.polar());
+    let (mut reach, mut ahead, polar) = (Reach::new(), Ahead::new(simd), kernel.polar());
     for entries in job.entries.chunks(AHEAD) {
-        let looks = place.look::<S, K>(simd, job, entries, false);
-        for (entry, look) in entries.iter().zip(looks) {
+        ahead.look(simd, K::AXIS, &place, job, entries, false);
+        for (entry, (sight, rows)) in entries.iter().zip(&ahead.0) {
             let cone = &job.cones[entry.index()];
             let mut columns = [0.0f32; 4];
-            reach.fill::<S, K>(simd, job.frame, &place, (entry, cone, look), false, polar);
+            reach.fill::<S, K, true>(job.frame, &place, (entry, cone), sight, *rows, polar);
             for y in Bits(reach.rows) {
                 let row = reach.row(simd, y);
                 let mut cells = K::load(simd, &planes, y);
@@ -224,12 +242,14 @@ fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &[[u32; TILE
 #[inline(always)]
 fn count<S: Simd, K: Kernel>(simd: S, job: &Job) {
     let place = Place::of(job);
-    let mut reach = Reach::new();
-    for entries in job.entries.chunks(AHEAD) {
-        let looks = place.look::<S, K>(simd, job, entries, true);
-        for (entry, look) in entries.iter().zip(looks).filter(|e| e.0.cone & ARC != 0) {
+    let (mut reach, mut ahead) = (Reach::new(), Ahead::new(simd));
+    // Only these have arc cells.
+    let arcs: Vec<Entry> = job.entries.iter().copied().filter(|e| e.cone & ARC != 0).collect();
+    for entries in arcs.chunks(AHEAD) {
+        ahead.look(simd, K::AXIS, &place, job, entries, true);
+        for (entry, (sight, rows)) in entries.iter().zip(&ahead.0) {
             let cone = &job.cones[entry.index()];
-            reach.fill::<S, K>(simd, job.frame, &place, (entry, cone, look), true, false);
+            reach.fill::<S, K, true>(job.frame, &place, (entry, cone), sight, *rows, false);
             let cells: u32 = Bits(reach.rows).map(|y| reach.arc[y].count_ones()).sum();
             if cells > 0 {
                 job.parts[cone.index as usize].fetch_add(cells, Ordering::Relaxed);
