@@ -169,11 +169,33 @@ impl<S: Simd> Sight<S> {
         }
     }
 
+    /// The cone's axis in the tile.
+    #[inline(always)]
+    pub fn axis(&self, cone: &Cone) -> Axis<S> {
+        let [x, y] = cone.axis;
+        let steep = y.abs() > x.abs();
+        let c = if steep { y } else { x };
+        let (sign, none) = (c.signum(), i32x16::splat(self.simd, 0));
+        let steps = i32x16::load_array(self.simd, STEPS);
+        let along = (steps + if steep { self.v[1] } else { self.v[0] }) * sign;
+        Axis {
+            lead: if steep { Split::of(none, along) } else { Split::of(along, none) },
+            side: if steep { -sign } else { sign },
+            edge: CELL / 2 * c.abs(),
+            hit: cone.reach[0].wrapping_mul(c.abs()),
+            silent: cone.flags & NO_ECHO != 0,
+        }
+    }
+
     /// HIMM's row: the cells on the acoustic axis before the hit (interior) and the hit cell (arc).
     #[inline(always)]
-    pub fn axis_row(&self, cone: &Cone, y: usize) -> Row<S> {
-        let v = [self.v[0], self.v[1] + CELL * y as i32];
-        self.axis_regions(cone, y, on_axis(self.simd, cone.axis, cone.reach[0], v))
+    pub fn axis_row(&self, axis: &Axis<S>, y: usize) -> Row<S> {
+        // SPEC's a·sgn(c) and (b·c − a·s)·sgn(c), which is ±cross(axis, v).
+        let (lead, side) = (axis.lead.row(y), self.across.row(y) * axis.side);
+        let on = lead.simd_ge(0) & side.simd_ge(-axis.edge) & side.simd_lt(axis.edge);
+        let past = lead * DIRECTION - axis.hit;
+        let half = CELL / 2 * DIRECTION;
+        self.axis_regions(axis.silent, y, [on & past.simd_lt(-half), on & past.simd_ge(-half) & past.simd_lt(half)])
     }
 
     /// The same in 64 bits.
@@ -181,27 +203,27 @@ impl<S: Simd> Sight<S> {
     pub fn wide_axis_row(&self, cone: &Cone, y: usize) -> Row<S> {
         let [before, hit] = wide_axis_cells(cone, [self.v[0], self.v[1] + CELL * y as i32]);
         let regions = [mask32x16::from_bitmask(self.simd, before), mask32x16::from_bitmask(self.simd, hit)];
-        self.axis_regions(cone, y, regions)
+        self.axis_regions(cone.flags & NO_ECHO != 0, y, regions)
     }
 
+    /// Without an echo the last cell is empty too.
     #[inline(always)]
-    fn axis_regions(&self, cone: &Cone, y: usize, [before, hit]: [mask32x16<S>; 2]) -> Row<S> {
-        // Without an echo the last cell is empty too.
-        let silent = mask32x16::splat(self.simd, cone.flags & NO_ECHO != 0);
+    fn axis_regions(&self, silent: bool, y: usize, [before, hit]: [mask32x16<S>; 2]) -> Row<S> {
+        let silent = mask32x16::splat(self.simd, silent);
         Row { interior: before | (hit & silent), arc: hit & !silent, ..self.numbers(y) }
     }
 }
 
-/// Which cells lie on the axis before the hit, and which is the hit cell (SPEC: c is the axis' larger component).
-#[inline(always)]
-fn on_axis<S: Simd>(simd: S, axis: [i32; 2], range: i32, v: [i32; 2]) -> [mask32x16<S>; 2] {
-    let (x, y) = (i32x16::load_array(simd, STEPS) + v[0], i32x16::splat(simd, v[1]));
-    let steep = axis[1].abs() > axis[0].abs();
-    let (c, s, a, b) = if steep { (axis[1], axis[0], y, x) } else { (axis[0], axis[1], x, y) };
-    let (sign, edge) = (c.signum(), CELL / 2 * c.abs());
-    let side = (b * c - a * s) * sign;
-    let on = (a * sign).simd_ge(0) & side.simd_ge(-edge) & side.simd_lt(edge);
-    let past = a * (DIRECTION * sign) - range * c.abs();
-    let half = CELL / 2 * DIRECTION;
-    [on & past.simd_lt(-half), on & past.simd_ge(-half) & past.simd_lt(half)]
+/// An acoustic axis in a tile (SPEC 4): c is its larger component, a the cells' place on the same world axis.
+#[derive(Clone, Copy)]
+pub struct Axis<S: Simd> {
+    /// a·sgn(c).
+    lead: Split<S>,
+    /// What cross(axis, v) is multiplied by to give the place beside the axis.
+    side: i32,
+    /// Half a cell beside it.
+    edge: i32,
+    /// R·|c|.
+    hit: i32,
+    silent: bool,
 }

@@ -53,9 +53,9 @@ pub fn apply(frame: Frame, batch: &Batch, chunks: &mut Chunks) {
 /// The cells of a tile before the hit, and the hit cell: a bit each, row by row.
 #[inline(always)]
 fn regions<S: Simd>(sight: Sight<S>, cone: &Cone) -> [[u64; 2]; TILE] {
-    let mut regions = [[0; 2]; TILE];
+    let (mut regions, axis) = ([[0; 2]; TILE], sight.axis(cone));
     for (y, region) in regions.iter_mut().enumerate() {
-        let row = if cone.flags & WIDE != 0 { sight.wide_axis_row(cone, y) } else { sight.axis_row(cone, y) };
+        let row = if cone.flags & WIDE != 0 { sight.wide_axis_row(cone, y) } else { sight.axis_row(&axis, y) };
         *region = [row.interior.to_bitmask(), row.arc.to_bitmask()];
     }
     regions

@@ -70,8 +70,9 @@ impl Reach {
                 }
             }
             (false, true, _) => {
+                let axis = sight.axis(cone);
                 for y in Bits(rows) {
-                    self.set::<S, true>(y, &sight.axis_row(cone, y), columns, None);
+                    self.set::<S, true>(y, &sight.axis_row(&axis, y), columns, None);
                 }
             }
             (false, false, true) => {
