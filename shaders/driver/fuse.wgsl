@@ -27,7 +27,11 @@ fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             arc += select(vec4<u32>(0u), vec4<u32>(one), row.arc);
             fuse_cells(cone, row, shares[cone.index], &cells);
         }
+        if (k - tile.entries.x) % 16u == 15u {
+            settle(&cells);
+        }
     }
+    settle(&cells);
     state[at] += interior;
     state[at + 64u] += arc;
     store(cells, at + 128u);

@@ -5,10 +5,8 @@ const PLANES: u32 = 5u;
 // P(s|·) is kept between a floor and this: certainty would leave no way back.
 const MOST: f32 = 0.98;
 
-// Below this a product of likelihoods is scaled up, by a power of two: 2⁻⁶⁰.
-const SMALL: f32 = 8.6736174e-19;
-// By which: 2⁶⁰.
-const SCALE: f32 = 1.1529215e18;
+// The bits of a number's fraction.
+const MANTISSA: vec4<i32> = vec4<i32>(0x7fffff);
 
 // Two constants instead of Murphy's profile: the counts are all its state.
 override CONSTANT: bool = false;
@@ -19,7 +17,7 @@ struct Cells {
     occupied: vec4<f32>,
     // Π P(s|empty).
     empty: vec4<f32>,
-    // How often empty was scaled up, less how often occupied was.
+    // The power of two by which occupied over empty is to be multiplied.
     scale: vec4<i32>,
 }
 
@@ -29,19 +27,6 @@ fn likelihood(near: vec4<f32>, arc: vec4<bool>) -> vec4<f32> {
     let part = select(vec4<f32>(given.y), vec4<f32>(given.x), arc);
     let least = select(vec4<f32>(given.w), vec4<f32>(given.z), arc);
     return min(max(near * part, least), vec4<f32>(MOST));
-}
-
-// Scales up what has become small: no product is ever 0, and scaling is exact.
-fn scaled(cells: Cells) -> Cells {
-    let few = cells.occupied < vec4<f32>(SMALL);
-    let rare = cells.empty < vec4<f32>(SMALL);
-    let one = vec4<i32>(1);
-    let zero = vec4<i32>(0);
-    return Cells(
-        select(cells.occupied, cells.occupied * SCALE, few),
-        select(cells.empty, cells.empty * SCALE, rare),
-        cells.scale - select(zero, one, few) + select(zero, one, rare),
-    );
 }
 
 fn member_row(cone: Cone, v: vec2<i32>) -> Row {
@@ -67,7 +52,16 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
     let other = 1.0 - p;
     let one = vec4<f32>(1.0);
     let reached = row.interior | row.arc;
-    let occupied = (*cells).occupied * select(one, select(other, p, row.arc), reached);
-    let empty = (*cells).empty * select(one, select(p, other, row.arc), reached);
-    *cells = scaled(Cells(occupied, empty, (*cells).scale));
+    (*cells).occupied = (*cells).occupied * select(one, select(other, p, row.arc), reached);
+    (*cells).empty = (*cells).empty * select(one, select(p, other, row.arc), reached);
+}
+
+fn settle(cells: ptr<function, Cells>) {
+    let occupied = bitcast<vec4<i32>>((*cells).occupied);
+    let empty = bitcast<vec4<i32>>((*cells).empty);
+    let places = vec4<u32>(23u);
+    let one = vec4<i32>(i32(ONE_BITS));
+    (*cells).scale = (*cells).scale + (occupied >> places) - (empty >> places);
+    (*cells).occupied = bitcast<vec4<f32>>((occupied & MANTISSA) | one);
+    (*cells).empty = bitcast<vec4<f32>>((empty & MANTISSA) | one);
 }

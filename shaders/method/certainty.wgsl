@@ -89,3 +89,5 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
     let clear = enhanced((*cells).clear, not_normalised(evidence, bitcast<f32>(share.x)));
     (*cells).clear = select((*cells).clear, clear, row.arc);
 }
+
+fn settle(cells: ptr<function, Cells>) {}

@@ -65,3 +65,5 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
     (*cells).empty = empty;
     (*cells).full = full;
 }
+
+fn settle(cells: ptr<function, Cells>) {}

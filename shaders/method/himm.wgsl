@@ -29,3 +29,5 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
     (*cells).count = select((*cells).count, less, row.interior);
     (*cells).count = select((*cells).count, more, row.arc);
 }
+
+fn settle(cells: ptr<function, Cells>) {}

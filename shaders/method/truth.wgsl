@@ -18,3 +18,5 @@ fn load(at: u32) -> Cells {
 fn store(cells: Cells, at: u32) {}
 
 fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {}
+
+fn settle(cells: ptr<function, Cells>) {}

@@ -2,8 +2,8 @@
 //! `shaders/method/bayes.wgsl`.
 //!
 //! A cell keeps the pair that Murphy's book keeps, not normalised: the products of the likelihoods given occupied and given empty.
-//! The logarithm of their ratio is the log odds, taken once, on the host: an update is two products. The constant model, for
-//! lasers, needs nothing but the two counts that every method keeps: exact, whatever the order.
+//! The logarithm of their ratio is the log odds, taken once, on the host: an update is two products. Their exponents go to a
+//! word of their own before they can leave f32's range. The constant model, for lasers, needs nothing but the two counts that every method keeps: exact, whatever the order.
 
 use super::settings::{Bayes, Likelihood, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
@@ -33,10 +33,8 @@ pub const ENTRY: Entry = Entry {
 const LEAST: f64 = 0.02;
 const MOST: f32 = 0.98;
 
-/// Below this a product of likelihoods is scaled up, by a power of two.
-const SMALL: f32 = 1.0 / (1u64 << 60) as f32;
-/// By which: 1 / [`SMALL`].
-const SCALE: f32 = (1u64 << 60) as f32;
+/// The bits of a number's fraction.
+const MANTISSA: i32 = 0x7f_ffff;
 
 /// The products of a row's likelihoods.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +43,7 @@ pub struct Cells<S: Simd> {
     occupied: f32x16<S>,
     /// Π P(s|empty).
     empty: f32x16<S>,
-    /// How often `empty` was scaled up, less how often `occupied` was.
+    /// The power of two by which `occupied` over `empty` is to be multiplied.
     scale: i32x16<S>,
 }
 
@@ -57,19 +55,6 @@ fn likelihood<S: Simd>(frame: &Frame, near: f32x16<S>, arc: mask32x16<S>) -> f32
     let part = arc.select(splat(part_one), splat(part_two));
     let floor = arc.select(splat(floor_one), splat(floor_two));
     (near * part).max(floor).min(MOST)
-}
-
-/// Scales up what has become small: no product is ever 0, and scaling is exact.
-#[inline(always)]
-fn scaled<S: Simd>(cells: Cells<S>) -> Cells<S> {
-    let Cells { occupied, empty, scale } = cells;
-    let (few, rare) = (occupied.simd_lt(SMALL), empty.simd_lt(SMALL));
-    let scale = few.select(scale - 1, scale);
-    Cells {
-        occupied: few.select(occupied * SCALE, occupied),
-        empty: rare.select(empty * SCALE, empty),
-        scale: rare.select(scale + 1, scale),
-    }
 }
 
 const fn layer(name: &'static str, about: &'static str, fill: f32, scale: Scale) -> LayerSpec {
@@ -117,7 +102,14 @@ impl Kernel for Bayes {
         let empty = cells.empty * row.arc.select(other, p);
         cells.occupied = member.select(occupied, cells.occupied);
         cells.empty = member.select(empty, cells.empty);
-        *cells = scaled(*cells);
+    }
+
+    #[inline(always)]
+    fn settle<S: Simd>(&self, cells: &mut Cells<S>) {
+        let (occupied, empty) = (cells.occupied.bitcast::<i32x16<S>>(), cells.empty.bitcast::<i32x16<S>>());
+        cells.scale = cells.scale + (occupied >> 23) - (empty >> 23);
+        cells.occupied = ((occupied & MANTISSA) | ONE_BITS.cast_signed()).bitcast();
+        cells.empty = ((empty & MANTISSA) | ONE_BITS.cast_signed()).bitcast();
     }
 }
 
@@ -157,7 +149,7 @@ impl Method for Bayes {
         let odds = match self.model {
             Likelihood::Murphy => {
                 let [occupied, empty] = [words[2], words[3]].map(|word| f64::from(f32::from_bits(word ^ ONE_BITS)));
-                (occupied / empty).ln() + f64::from(words[4].cast_signed()) * f64::from(SCALE).ln()
+                (occupied / empty).ln() + f64::from(words[4].cast_signed()) * std::f64::consts::LN_2
             }
             Likelihood::Constant => f64::from(words[1]) * logit(self.p_hit) + f64::from(words[0]) * logit(self.p_miss),
         };

@@ -93,10 +93,10 @@ fn bayes(size: usize, readings: &[(&Cone, Vec<Cell>)], s: &Bayes, fault: Fault) 
             let k = cell.index;
             occupied[k] *= if arc { p } else { 1.0 - p };
             empty[k] *= if arc { 1.0 - p } else { p };
-            for (product, step) in [(&mut occupied[k], -1), (&mut empty[k], 1)] {
-                if *product < 60f32.exp2().recip() {
-                    *product *= 60f32.exp2();
-                    scale[k] += step;
+            for (product, sign) in [(&mut occupied[k], 1), (&mut empty[k], -1)] {
+                if *product < 1e-9 {
+                    *product *= 30f32.exp2();
+                    scale[k] -= 30 * sign;
                 }
             }
         }
@@ -104,7 +104,7 @@ fn bayes(size: usize, readings: &[(&Cone, Vec<Cell>)], s: &Bayes, fault: Fault) 
     let odds: Vec<f32> = (0..size)
         .map(|k| {
             let ratio = f64::from(occupied[k]) / f64::from(empty[k]);
-            (ratio.ln() + f64::from(scale[k]) * 60.0 * std::f64::consts::LN_2) as f32
+            (ratio.ln() + f64::from(scale[k]) * std::f64::consts::LN_2) as f32
         })
         .collect();
     let p = |sign: f32| odds.iter().map(|l| 1.0 / (1.0 + (-sign * l).exp())).collect();

@@ -47,6 +47,10 @@ pub trait Kernel: Copy + Sync {
     /// What a reading does to a row.
     fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, share: &[u32; 4], cells: &mut Self::Cells<S>);
 
+    /// Brings the cells to their one form, at least once in 16 updates: updates may leave the same value in several.
+    #[inline(always)]
+    fn settle<S: Simd>(&self, _: &mut Self::Cells<S>) {}
+
     /// A reading's evidence on its arc before it is normalised, and what of the update it depends on.
     fn weigh<S: Simd>(&self, _: &Frame, _: &Cone, row: &Reached<S>, _: &mut Self::Cells<S>) -> f32x16<S> {
         f32x16::splat(row.distance.token(), 0.0)
@@ -165,6 +169,11 @@ fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [[u32; T
                 reach.fill::<S, K, false>(frame, &place, (entry, cone), sight, *rows, polar);
                 update::<S, K, false>(simd, kernel, frame, cone, &share, &reach, counts, planes);
             }
+        }
+        for y in 0..TILE {
+            let mut cells = K::load(simd, planes, y);
+            kernel.settle(&mut cells);
+            K::store(cells, planes, y);
         }
     }
 }
