@@ -148,7 +148,9 @@ impl Binning {
         let [rows, columns] = self.within(self.spans(cone, shape), place);
         let edge = (TILE as i64) * i64::from(CELL);
         let extremes = |k: usize, tile: i64| shape.extremes(k, edge * tile - i64::from(cone.sensor[k]));
-        let across: Vec<Extremes> = columns.clone().map(|i| extremes(0, i)).collect();
+        // A chunk has at most so many columns of tiles.
+        let mut across = [Extremes::default(); CHUNK];
+        columns.clone().zip(&mut across).for_each(|(i, column)| *column = extremes(0, i));
         for j in rows {
             let up = extremes(1, j);
             for (i, column) in columns.clone().zip(&across) {
@@ -325,6 +327,7 @@ impl Shape {
 
 /// The least and the largest of a cone's products with v over a tile, and the squares of its nearest and farthest distance:
 /// the part of a column of tiles, or of a row.
+#[derive(Debug, Clone, Copy, Default)]
 struct Extremes {
     left: [i64; 2],
     right: [i64; 2],

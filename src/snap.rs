@@ -41,12 +41,18 @@ const FARTHEST: i64 = 1 << 28;
 /// What a footprint may exceed its reach and its edges by, units.
 pub(crate) const SLACK: i64 = 2 * CELL as i64;
 
+/// ⌊v + ½⌋; `f64::floor` is a call into the mathematical library on processors of the oldest kind.
 fn round(v: f64) -> i64 {
-    (v + 0.5).floor() as i64
+    let near = (v + 0.5) as i64;
+    near - i64::from(near as f64 > v + 0.5)
 }
 
 fn direction(angle: f64) -> [i32; 2] {
     [angle.cos(), angle.sin()].map(|v| round(f64::from(DIRECTION) * v) as i32)
+}
+
+fn length([x, y]: [i32; 2]) -> f64 {
+    f64::from(x * x + y * y).sqrt()
 }
 
 /// Snaps a reading to the grid. `None`: its reach does not meet the grid.
@@ -97,7 +103,7 @@ pub fn snap(
             | flag(range + depth > NARROW, WIDE)
             | flag(turn > 0.0 && beta > BROADEST, BROAD),
         index: 0,
-        shape: [f64::from(axis[0]).hypot(f64::from(axis[1])) as f32, turn as f32, 0.0, 0.0],
+        shape: [length(axis) as f32, turn as f32, 0.0, 0.0],
         profile: [0.0; 4],
     };
     let metres = |u: i64| u as f64 * grid.resolution / 32.0;

@@ -8,8 +8,8 @@
 use super::settings::{Bayes, Likelihood, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, Reached, plane, walk};
-use crate::layout::{COUNT, Cone, Frame, TILE};
+use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
+use crate::layout::{COUNT, Cone, Frame};
 use crate::profile::{ONE_BITS, from_one, murphy, to_one};
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
@@ -77,16 +77,16 @@ impl Kernel for Bayes {
     }
 
     #[inline(always)]
-    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Cells<S> {
-        let (occupied, empty) = (plane(simd, planes, 0, row), plane(simd, planes, 1, row));
-        Cells { occupied: from_one(occupied), empty: from_one(empty), scale: plane(simd, planes, 2, row).bitcast() }
+    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Cells<S> {
+        let (occupied, empty) = (u32x16::load_array(simd, planes[0][row]), u32x16::load_array(simd, planes[1][row]));
+        Cells { occupied: from_one(occupied), empty: from_one(empty), scale: u32x16::load_array(simd, planes[2][row]).bitcast() }
     }
 
     #[inline(always)]
-    fn store<S: Simd>(cells: Cells<S>, planes: &mut [[u32; TILE]], row: usize) {
-        to_one(cells.occupied).store_array(&mut planes[row]);
-        to_one(cells.empty).store_array(&mut planes[TILE + row]);
-        cells.scale.bitcast::<u32x16<S>>().store_array(&mut planes[2 * TILE + row]);
+    fn store<S: Simd>(cells: Cells<S>, planes: &mut [Plane], row: usize) {
+        to_one(cells.occupied).store_array(&mut planes[0][row]);
+        to_one(cells.empty).store_array(&mut planes[1][row]);
+        cells.scale.bitcast::<u32x16<S>>().store_array(&mut planes[2][row]);
     }
 
     #[inline(always)]

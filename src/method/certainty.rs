@@ -11,13 +11,13 @@
 use super::settings::{Certainty, Order, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, Reached, plane, walk};
-use crate::layout::{COUNT, Cone, FREE, Frame, OCCUPY, TILE};
+use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
+use crate::layout::{COUNT, Cone, FREE, Frame, OCCUPY};
 use crate::profile::{ONE_BITS, from_one, to_one};
 use crate::sensor::Sensor;
 use crate::snap::Snapped;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, i32x16};
+use fearless_simd::{f32x16, i32x16, u32x16};
 
 /// The registry's line.
 pub const ENTRY: Entry = Entry {
@@ -116,14 +116,14 @@ impl Kernel for Certainty {
     }
 
     #[inline(always)]
-    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Cells<S> {
-        Cells { open: from_one(plane(simd, planes, 0, row)), clear: from_one(plane(simd, planes, 1, row)) }
+    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Cells<S> {
+        Cells { open: from_one(u32x16::load_array(simd, planes[0][row])), clear: from_one(u32x16::load_array(simd, planes[1][row])) }
     }
 
     #[inline(always)]
-    fn store<S: Simd>(cells: Cells<S>, planes: &mut [[u32; TILE]], row: usize) {
-        to_one(cells.open).store_array(&mut planes[row]);
-        to_one(cells.clear).store_array(&mut planes[TILE + row]);
+    fn store<S: Simd>(cells: Cells<S>, planes: &mut [Plane], row: usize) {
+        to_one(cells.open).store_array(&mut planes[0][row]);
+        to_one(cells.clear).store_array(&mut planes[1][row]);
     }
 
     #[inline(always)]

@@ -6,8 +6,8 @@
 use super::settings::{DempsterShafer, MassModel, Rho, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, Reached, plane, walk};
-use crate::layout::{COUNT, Cone, Frame, TILE};
+use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
+use crate::layout::{COUNT, Cone, Frame};
 use crate::profile::{log, murphy};
 use crate::reading::Outcome;
 use crate::sensor::Sensor;
@@ -79,17 +79,17 @@ impl Kernel for DempsterShafer {
     }
 
     #[inline(always)]
-    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Cells<S> {
-        let empty = [plane(simd, planes, 0, row), plane(simd, planes, 1, row)];
-        Cells { empty, full: [plane(simd, planes, 2, row), plane(simd, planes, 3, row)] }
+    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Cells<S> {
+        let empty = [u32x16::load_array(simd, planes[0][row]), u32x16::load_array(simd, planes[1][row])];
+        Cells { empty, full: [u32x16::load_array(simd, planes[2][row]), u32x16::load_array(simd, planes[3][row])] }
     }
 
     #[inline(always)]
-    fn store<S: Simd>(cells: Cells<S>, planes: &mut [[u32; TILE]], row: usize) {
-        cells.empty[0].store_array(&mut planes[row]);
-        cells.empty[1].store_array(&mut planes[TILE + row]);
-        cells.full[0].store_array(&mut planes[2 * TILE + row]);
-        cells.full[1].store_array(&mut planes[3 * TILE + row]);
+    fn store<S: Simd>(cells: Cells<S>, planes: &mut [Plane], row: usize) {
+        cells.empty[0].store_array(&mut planes[0][row]);
+        cells.empty[1].store_array(&mut planes[1][row]);
+        cells.full[0].store_array(&mut planes[2][row]);
+        cells.full[1].store_array(&mut planes[3][row]);
     }
 
     #[inline(always)]

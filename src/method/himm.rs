@@ -8,8 +8,8 @@
 use super::settings::{Himm, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, Reached, walk};
-use crate::layout::{COUNT, Cone, Frame, TILE};
+use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
+use crate::layout::{COUNT, Cone, Frame};
 use crate::snap::Footprint;
 use fearless_simd::prelude::*;
 use fearless_simd::u32x16;
@@ -49,13 +49,13 @@ impl Kernel for Himm {
     const AXIS: bool = true;
 
     #[inline(always)]
-    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> u32x16<S> {
-        u32x16::load_array(simd, planes[row])
+    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> u32x16<S> {
+        u32x16::load_array(simd, planes[0][row])
     }
 
     #[inline(always)]
-    fn store<S: Simd>(cells: u32x16<S>, planes: &mut [[u32; TILE]], row: usize) {
-        cells.store_array(&mut planes[row]);
+    fn store<S: Simd>(cells: u32x16<S>, planes: &mut [Plane], row: usize) {
+        cells.store_array(&mut planes[0][row]);
     }
 
     #[inline(always)]

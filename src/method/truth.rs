@@ -6,8 +6,8 @@
 use super::settings::Settings;
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, Reached, walk};
-use crate::layout::{COUNT, Cone, Frame, TILE};
+use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
+use crate::layout::{COUNT, Cone, Frame};
 use crate::snap::Footprint;
 use fearless_simd::Simd;
 
@@ -40,10 +40,10 @@ impl Kernel for Truth {
     type Cells<S: Simd> = ();
 
     #[inline(always)]
-    fn load<S: Simd>(_: S, _: &[[u32; TILE]], _: usize) {}
+    fn load<S: Simd>(_: S, _: &[Plane], _: usize) {}
 
     #[inline(always)]
-    fn store<S: Simd>((): (), _: &mut [[u32; TILE]], _: usize) {}
+    fn store<S: Simd>((): (), _: &mut [Plane], _: usize) {}
 
     #[inline(always)]
     fn fuse<S: Simd>(&self, _: &Frame, _: &Cone, _: &Reached<S>, _: &[u32; 4], (): &mut ()) {}

@@ -6,7 +6,7 @@ mod reach;
 mod walk;
 
 pub use reach::Reached;
-pub use walk::{Job, Kernel, plane, walk};
+pub use walk::{Job, Kernel, Plane, walk};
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
 use crate::batch::{Batch, ChunkList};

@@ -33,11 +33,11 @@ pub trait Kernel: Copy + Sync {
     /// Whether the method looks at the axis' cells only.
     const AXIS: bool = false;
 
-    /// A row of a tile from its planes, which come row by row, those of the two counts left out.
-    fn load<S: Simd>(simd: S, planes: &[[u32; TILE]], row: usize) -> Self::Cells<S>;
+    /// A row of a tile from its planes, those of the two counts left out.
+    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Self::Cells<S>;
 
     /// And back.
-    fn store<S: Simd>(cells: Self::Cells<S>, planes: &mut [[u32; TILE]], row: usize);
+    fn store<S: Simd>(cells: Self::Cells<S>, planes: &mut [Plane], row: usize);
 
     /// Whether the method looks at distance and angle.
     fn polar(&self) -> bool {
@@ -57,11 +57,8 @@ pub trait Kernel: Copy + Sync {
     }
 }
 
-/// A row of one plane, those of the two counts left out.
-#[inline(always)]
-pub fn plane<S: Simd>(simd: S, planes: &[[u32; TILE]], plane: usize, row: usize) -> u32x16<S> {
-    u32x16::load_array(simd, planes[plane * TILE + row])
-}
+/// A tile's words of one kind, row by row.
+pub type Plane = [[u32; TILE]; TILE];
 
 /// The SIMD level that this machine runs.
 pub fn simd_level() -> String {
@@ -71,10 +68,10 @@ pub fn simd_level() -> String {
 /// Runs a pass over a tile.
 pub fn walk<K: Kernel>(kernel: &K, pass: Pass, job: &Job, state: &mut [u32]) {
     let level = Level::new();
-    let rows: &mut [[u32; TILE]] = bytemuck::cast_slice_mut(state);
+    let planes: &mut [Plane] = bytemuck::cast_slice_mut(state);
     match pass {
-        Pass::Fuse => dispatch!(level, simd => fuse(simd, kernel, job, rows)),
-        Pass::Weigh => dispatch!(level, simd => weigh(simd, kernel, job, rows)),
+        Pass::Fuse => dispatch!(level, simd => fuse(simd, kernel, job, planes)),
+        Pass::Weigh => dispatch!(level, simd => weigh(simd, kernel, job, planes)),
         Pass::Count => dispatch!(level, simd => count::<_, K>(simd, job)),
     }
 }
@@ -150,11 +147,11 @@ impl<S: Simd> Ahead<S> {
 
 /// Updates the tile's cells.
 #[inline(always)]
-fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [[u32; TILE]]) {
+fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [Plane]) {
     let place = Place::of(job);
     // Copies, so that what they decide is decided outside the loops.
     let (kernel, frame) = (&{ *kernel }, &{ *job.frame });
-    let (counts, planes) = state.split_at_mut(2 * TILE);
+    let Some(([interior, arc], planes)) = state.split_first_chunk_mut::<2>() else { return };
     let (mut reach, mut ahead, polar) = (Reach::new(), Ahead::new(simd), kernel.polar());
     for entries in job.entries.chunks(AHEAD) {
         ahead.look(simd, K::AXIS, &place, job, entries, false);
@@ -164,10 +161,10 @@ fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &mut [[u32; T
             // Most tiles lie off the arc: theirs are loops without it.
             if entry.cone & ARC != 0 {
                 reach.fill::<S, K, true>(frame, &place, (entry, cone), sight, *rows, polar);
-                update::<S, K, true>(simd, kernel, frame, cone, &share, &reach, counts, planes);
+                update::<S, K, true>(simd, kernel, frame, cone, &share, &reach, [&mut *interior, &mut *arc], planes);
             } else {
                 reach.fill::<S, K, false>(frame, &place, (entry, cone), sight, *rows, polar);
-                update::<S, K, false>(simd, kernel, frame, cone, &share, &reach, counts, planes);
+                update::<S, K, false>(simd, kernel, frame, cone, &share, &reach, [&mut *interior, &mut *arc], planes);
             }
         }
         for y in 0..TILE {
@@ -188,8 +185,8 @@ fn update<S: Simd, K: Kernel, const ARCS: bool>(
     cone: &Cone,
     share: &[u32; 4],
     reach: &Reach,
-    counts: &mut [[u32; TILE]],
-    planes: &mut [[u32; TILE]],
+    [interior, arc]: [&mut Plane; 2],
+    planes: &mut [Plane],
 ) {
     for y in Bits(reach.rows) {
         let mut row = reach.row(simd, y);
@@ -197,9 +194,9 @@ fn update<S: Simd, K: Kernel, const ARCS: bool>(
             row.arc = mask32x16::splat(simd, false);
         }
         if frame.mode & COUNT != 0 {
-            count_row(simd, row.interior, &mut counts[y]);
+            count_row(simd, row.interior, &mut interior[y]);
             if ARCS {
-                count_row(simd, row.arc, &mut counts[TILE + y]);
+                count_row(simd, row.arc, &mut arc[y]);
             }
         }
         let mut cells = K::load(simd, planes, y);
@@ -217,9 +214,9 @@ fn count_row<S: Simd>(simd: S, region: mask32x16<S>, counts: &mut [u32; TILE]) {
 /// Sums each reading's evidence on the tile's part of its arc: four cells of a row at a time as the GPU's threads do, down
 /// the columns of threads, then across.
 #[inline(always)]
-fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &[[u32; TILE]]) {
+fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &[Plane]) {
     let place = Place::of(job);
-    let mut planes = state[2 * TILE..].to_vec();
+    let mut planes = state[2..].to_vec();
     let (mut reach, mut ahead, polar) = (Reach::new(), Ahead::new(simd), kernel.polar());
     for entries in job.entries.chunks(AHEAD) {
         ahead.look(simd, K::AXIS, &place, job, entries, false);
