@@ -94,7 +94,7 @@ impl Binning {
         let mut before = 0;
         for run in &runs {
             first_part.extend(run.first_part.iter().map(|p| p + before));
-            for (place, pairs) in &run.chunks {
+            for (place, pairs) in run.chunks.iter().filter(|(_, pairs)| !pairs.is_empty()) {
                 places.entry(*place).or_default().push((pairs, before));
             }
             before += run.parts;
@@ -109,18 +109,21 @@ impl Binning {
         let mut run = Run::default();
         for cone in cones {
             run.first_part.push(run.parts);
-            self.reach(cone, &mut run);
+            self.reach(cone, cones.len(), &mut run);
         }
         run
     }
 
     /// Adds a pair for every tile that the cone may touch, chunk by chunk and in each tile row by tile row, so that a
-    /// sum over its arc is the same whether chunks are resident together or done one after the other.
-    fn reach(&self, cone: &Cone, run: &mut Run) {
+    /// sum over its arc is the same whether chunks are resident together or done one after the other. The run has so many
+    /// `readings`.
+    fn reach(&self, cone: &Cone, readings: usize, run: &mut Run) {
         let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
         let shape = Shape::of(cone, self.footprint);
         for place in self.chunks_of_shape(cone, &shape) {
-            let pairs = run.chunks.entry([place[1], place[0]]).or_default();
+            // Room for a sonar's cones of a usual size, so that a list rarely has to move.
+            let room = || Vec::with_capacity(16 * readings);
+            let pairs = run.chunks.entry([place[1], place[0]]).or_insert_with(room);
             self.tiles_in(cone, &shape, place, &mut |[i, j], (arc, inside)| {
                 let arc = arc && arcs;
                 let flags = if arc { ARC } else { 0 } | if inside { INSIDE } else { 0 };

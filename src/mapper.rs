@@ -101,7 +101,7 @@ impl<'a> Mapper<'a> {
         let started = std::time::Instant::now();
         let snapped: Vec<Option<Cone>> = {
             let (grid, sensors, method) = (&self.grid, self.sensors, self.method);
-            items.par_iter().map(|item| snap_item(grid, sensors, method, item)).collect()
+            items.par_iter().with_min_len(256).map(|item| snap_item(grid, sensors, method, item)).collect()
         };
         let misses = snapped.iter().filter(|s| s.is_none()).count() as u64;
         let binning = Binning {
@@ -110,7 +110,7 @@ impl<'a> Mapper<'a> {
             no_echo_arcs: self.method.sweeps()[sweep].contains(&method::Step::Share),
             only: None,
         };
-        if items.len() > 1 && snapped.iter().flatten().map(|c| binning.at_most(c)).sum::<usize>() > PAIRS {
+        if items.len() > 1 && snapped.par_iter().with_min_len(256).flatten().map(|c| binning.at_most(c)).sum::<usize>() > PAIRS {
             return self.halves(sweep, items);
         }
         let batch = binning.bin(snapped.into_iter().flatten().collect());
