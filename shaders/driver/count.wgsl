@@ -4,12 +4,9 @@
 
 @group(0) @binding(5) var<storage, read_write> parts: array<atomic<u32>>;
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(THREADS)
 fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let tile = tiles[group.x];
-    let cell = tile.corner + vec2<u32>((lane % 4u) * 4u, lane / 4u);
-    let centre = CELL * vec2<i32>(cell) + vec2<i32>(CELL / 2);
-    let columns = select(0, i32(frame.size.x) - i32(cell.x), cell.y < frame.size.y);
     var k = tile.entries.x;
     while k < tile.entries.y {
         // A loop where a condition would do: adapters that run both sides of a branch then pass over the other entries.
@@ -18,9 +15,11 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         }
         if k < tile.entries.y {
             let cone = cones[entries[k].cone >> ENTRY_SHIFT];
-            var row = member_row(cone, centre - cone.sensor);
-            clip(&row, columns);
-            let cells = dot(select(vec4<u32>(0u), vec4<u32>(1u), row.arc), vec4<u32>(1u));
+            var cells = 0u;
+            // each GROUP
+            let row_GROUP = look_at_all(cone, cell_of(tile, lane + GROUP * THREADS));
+            cells += dot(select(vec4<u32>(0u), vec4<u32>(1u), row_GROUP.arc), vec4<u32>(1u));
+            // end
             if cells > 0u {
                 atomicAdd(&parts[cone.index], cells);
             }

@@ -42,6 +42,8 @@ pub struct Passes {
     layout: wgpu::BindGroupLayout,
     pipelines: BTreeMap<Key, wgpu::ComputePipeline>,
     patches: Vec<Patch>,
+    /// How many times four cells a thread owns.
+    groups: u32,
 }
 
 impl Passes {
@@ -65,7 +67,8 @@ impl Passes {
             label: Some("every pass"),
             entries: &entries,
         });
-        Passes { layout, pipelines: BTreeMap::new(), patches }
+        let groups = std::env::var("G").ok().and_then(|g| g.parse().ok()).unwrap_or(1);
+        Passes { layout, pipelines: BTreeMap::new(), patches, groups }
     }
 
     /// Makes a pipeline that is not there yet.
@@ -75,7 +78,7 @@ impl Passes {
             return Ok(());
         }
         let label = format!("{} {}", key.0, kernel.name());
-        let mut source = shader::source(method, kernel, needs.wide);
+        let mut source = shader::source(method, kernel, needs.wide, self.groups);
         for (from, to) in &self.patches {
             source = source.replace(from, to);
         }

@@ -7,6 +7,7 @@ const CONE: &str = include_str!("../../../shaders/cone.wgsl");
 const WIDE: &str = include_str!("../../../shaders/wide.wgsl");
 const NARROW: &str = include_str!("../../../shaders/narrow.wgsl");
 const PROFILE: &str = include_str!("../../../shaders/profile.wgsl");
+const TILE: &str = include_str!("../../../shaders/driver/tile.wgsl");
 const FUSE: &str = include_str!("../../../shaders/driver/fuse.wgsl");
 const WEIGH: &str = include_str!("../../../shaders/driver/weigh.wgsl");
 const COUNT: &str = include_str!("../../../shaders/driver/count.wgsl");
@@ -47,14 +48,37 @@ impl Kernel {
     }
 }
 
-/// The whole WGSL of a method's kernel; `wide`: for batches with readings that reach farther than 1024 cells.
-pub fn source(method: &dyn Method, kernel: Kernel, wide: bool) -> String {
+/// The whole WGSL of a method's kernel; `wide`: for batches with readings that reach farther than 1024 cells; `groups`: how
+/// many times four cells a thread owns, a divisor of 64.
+pub fn source(method: &dyn Method, kernel: Kernel, wide: bool, groups: u32) -> String {
     let reach = if wide { WIDE } else { NARROW };
     let half = method::REGISTRY.iter().find(|e| e.name == method::name(method)).map_or("", |e| e.wgsl);
-    match kernel {
-        Kernel::Weigh => [LAYOUT, CONE, reach, PROFILE, half, WEIGH].join("\n"),
-        Kernel::Count => [LAYOUT, CONE, reach, PROFILE, half, COUNT].join("\n"),
-        Kernel::Fuse => [LAYOUT, CONE, reach, PROFILE, half, FUSE].join("\n"),
-        Kernel::Sum => [LAYOUT, SUM].join("\n"),
+    let driver = match kernel {
+        Kernel::Weigh => WEIGH,
+        Kernel::Count => COUNT,
+        Kernel::Fuse => FUSE,
+        Kernel::Sum => return [LAYOUT, SUM].join("\n"),
+    };
+    let threads = format!("const THREADS: u32 = {}u;", 64 / groups);
+    [LAYOUT, CONE, reach, PROFILE, half, &threads, TILE, &each(driver, groups)].join("\n")
+}
+
+/// Writes the lines between `// each GROUP` and `// end` once for each group: loops over arrays that a thread owns end up
+/// in memory where a compiler doesn't unroll them.
+fn each(driver: &str, groups: u32) -> String {
+    let (mut text, mut block) = (String::new(), None::<Vec<&str>>);
+    for line in driver.split_inclusive('\n') {
+        match (line.trim(), &mut block) {
+            ("// each GROUP", _) => block = Some(Vec::new()),
+            ("// end", Some(lines)) => {
+                for group in 0..groups {
+                    lines.iter().for_each(|line| text += &line.replace("GROUP", &group.to_string()));
+                }
+                block = None;
+            }
+            (_, Some(lines)) => lines.push(line),
+            (_, None) => text += line,
+        }
     }
+    text
 }
