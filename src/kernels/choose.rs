@@ -36,7 +36,7 @@ pub fn gpu_required() -> bool {
 /// [`Error::NoAdapter`] where an adapter is demanded and none will do.
 pub fn choose(choice: Choice, method: &dyn Method, threads: usize) -> Result<Chosen> {
     let cpu = |why: String| -> Result<Chosen> { Ok(Chosen { backend: Box::new(Cpu::new(threads)?), why }) };
-    let open = |hardware: bool| Gpu::new(&gpu::Options { hardware, patches: Vec::new() });
+    let open = |hardware: bool| Gpu::new(&gpu::Options { hardware, ..Default::default() });
     match (choice, method.cpu_only()) {
         (Choice::Cpu, _) => cpu(String::new()),
         (Choice::Gpu, Some(why)) => Err(Error::NoAdapter(format!("{why}: use --backend cpu"))),

@@ -22,6 +22,7 @@ pub const ENTRY: Entry = Entry {
     about: "masses of empty, full and unknown, and their accumulated conflict",
     wgsl: include_str!("../../shaders/method/dempster_shafer.wgsl"),
     cost: Cost { flop: 0, int: 52 },
+    groups: 8,
     make: |settings| match settings {
         Settings::DempsterShafer(d) => Some(Box::new(d)),
         _ => None,

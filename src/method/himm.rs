@@ -21,6 +21,7 @@ pub const ENTRY: Entry = Entry {
     about: "a count from 0 to 15 on the acoustic axis: +3 at the hit, -1 before it",
     wgsl: include_str!("../../shaders/method/himm.wgsl"),
     cost: Cost { flop: 0, int: 16 },
+    groups: 4,
     make: |settings| match settings {
         Settings::Himm(h) => Some(Box::new(h)),
         _ => None,

@@ -18,6 +18,7 @@ pub const ENTRY: Entry = Entry {
     about: "laser logs: hits and passes of each scan's nearest beam, a true map to score sonar maps against",
     wgsl: include_str!("../../shaders/method/truth.wgsl"),
     cost: Cost { flop: 0, int: 24 },
+    groups: 8,
     make: |settings| match settings {
         Settings::Truth => Some(Box::new(Truth)),
         _ => None,

@@ -126,7 +126,7 @@ fn gpu_required() -> bool {
 /// The adapter, shared by all tests; `None`, loudly, where there is none.
 pub fn gpu() -> Option<MutexGuard<'static, Gpu>> {
     static GPU: OnceLock<Option<Mutex<Gpu>>> = OnceLock::new();
-    let shared = GPU.get_or_init(|| patched_gpu(&[]).map(Mutex::new));
+    let shared = GPU.get_or_init(|| open(Options::default()).map(Mutex::new));
     // A test that failed while it held the adapter left it with chunks of cells: none may reach the next test.
     shared.as_ref().map(|gpu| match gpu.lock() {
         Ok(gpu) => gpu,
@@ -141,7 +141,13 @@ pub fn gpu() -> Option<MutexGuard<'static, Gpu>> {
 /// An adapter of its own, its kernels' sources changed.
 pub fn patched_gpu(patches: &[(&str, &str)]) -> Option<Gpu> {
     let patches = patches.iter().map(|(from, to)| (from.to_string(), to.to_string())).collect();
-    match Gpu::new(&Options { patches, ..Options::default() }) {
+    // A thread's cells by themselves, so that a fault stands in the source once.
+    open(Options { patches, groups: Some(1), ..Options::default() })
+}
+
+/// An adapter; `None`, loudly, where there is none.
+pub fn open(options: Options) -> Option<Gpu> {
+    match Gpu::new(&options) {
         Ok(gpu) => Some(gpu),
         Err(e) if gpu_required() => panic!("ECHOGRID_REQUIRE_GPU=1, but {e}"),
         Err(e) => {

@@ -54,23 +54,23 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "hit and miss are swapped",
-        from: "fuse_cells(cone, row, shares[cone.index], &cells);",
-        to: "let freed = row.interior; row.interior = row.arc; row.arc = freed; \
-             fuse_cells(cone, row, shares[cone.index], &cells);",
+        from: "fuse_cells(cone, row_0, share, &cells_0);",
+        to: "let freed = row_0.interior; row_0.interior = row_0.arc; row_0.arc = freed; \
+             fuse_cells(cone, row_0, share, &cells_0);",
         methods: ALL,
         scene: few,
     },
     Fault {
         what: "hit and miss are counted swapped",
-        from: "state[at] += interior;\n    state[at + 64u] += arc;",
-        to: "state[at] += arc;\n    state[at + 64u] += interior;",
+        from: "* THREADS] += interior_0;\n    state[at + 0 * THREADS + 64u] += arc_0;",
+        to: "* THREADS] += arc_0;\n    state[at + 0 * THREADS + 64u] += interior_0;",
         methods: &["certainty", "bayes", "himm"],
         scene: few,
     },
     Fault {
         what: "hits and passes are swapped",
-        from: "state[at] += interior;\n    state[at + 64u] += arc;",
-        to: "state[at] += arc;\n    state[at + 64u] += interior;",
+        from: "* THREADS] += interior_0;\n    state[at + 0 * THREADS + 64u] += arc_0;",
+        to: "* THREADS] += arc_0;\n    state[at + 0 * THREADS + 64u] += interior_0;",
         methods: &["truth"],
         scene: scenes::fans,
     },
@@ -111,16 +111,16 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "the sums are of evidence that was not cancelled",
-        from: "part = weigh_cells(cone, row, &cells);",
-        to: "var fresh = cells; fresh.open = vec4<f32>(1.0); part = weigh_cells(cone, row, &fresh); \
-             let kept = weigh_cells(cone, row, &cells);",
+        from: "part_0 = weigh_cells(cone, row_0, &cells_0);",
+        to: "var fresh = cells_0; fresh.open = vec4<f32>(1.0); part_0 = weigh_cells(cone, row_0, &fresh); \
+             let kept = weigh_cells(cone, row_0, &cells_0);",
         methods: &["certainty", "certainty-batch"],
         scene: few,
     },
     Fault {
         what: "the sums are cancelled by the emptiness before the batch",
-        from: "part = weigh_cells(cone, row, &cells);",
-        to: "var old = cells; part = weigh_cells(cone, row, &old);",
+        from: "part_0 = weigh_cells(cone, row_0, &cells_0);",
+        to: "var old = cells_0; part_0 = weigh_cells(cone, row_0, &old);",
         methods: &["certainty"],
         scene: few,
     },
@@ -161,8 +161,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "a missing echo has an arc",
-        from: "if (cone.flags & NO_ECHO) != 0u {\n            row.arc = vec4<bool>(false);",
-        to: "if (cone.flags & NO_ECHO) != 0u {\n            row.interior = row.interior;",
+        from: "if (cone.flags & NO_ECHO) != 0u {\n        row.arc = vec4<bool>(false);",
+        to: "if (cone.flags & NO_ECHO) != 0u {\n        row.interior = row.interior;",
         methods: &["certainty", "bayes"],
         scene: few,
     },
@@ -295,8 +295,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "products are left to vanish",
-        from: "    settle(&cells);",
-        to: "    if (frame.mode & COUNT) == 0u { settle(&cells); }",
+        from: "% 16u == 15u",
+        to: "% 16u == 77u",
         methods: &["bayes"],
         scene: scenes::parked,
     },
@@ -326,7 +326,7 @@ fn every_seeded_fault_is_rejected() {
             let method = method::make(settings);
             // A fault that changes no kernel of the method would test nothing.
             let kernels = kernels_of(method.as_ref());
-            let sources = kernels.iter().flat_map(|k| [false, true].map(|wide| source(method.as_ref(), *k, wide)));
+            let sources = kernels.iter().flat_map(|k| [false, true].map(|wide| source(method.as_ref(), *k, wide, 1)));
             assert!(
                 sources.into_iter().any(|s| s.contains(fault.from)),
                 "\"{}\": its text is not in {name}'s kernels",

@@ -146,15 +146,17 @@ fn every_kernel_parses_and_validates() {
     for (name, settings) in every_settings() {
         let method = method::make(settings);
         let kernels = kernels_of(method.as_ref());
-        for (kernel, wide) in kernels.iter().flat_map(|k| [(*k, false), (*k, true)]) {
-            let what = format!("{name}, {}, {}", kernel.name(), if wide { "wide" } else { "narrow" });
-            let module = parse(&shader::source(method.as_ref(), kernel, wide), &what);
+        let each = kernels.iter().flat_map(|k| [(*k, false, 1), (*k, true, 1), (*k, false, 8), (*k, true, 4)]);
+        for (kernel, wide, groups) in each {
+            let what = format!("{name}, {}, {groups}, {}", kernel.name(), if wide { "wide" } else { "narrow" });
+            let module = parse(&shader::source(method.as_ref(), kernel, wide, groups), &what);
             let flags = naga::valid::ValidationFlags::all();
             let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty());
             validator.validate(&module).unwrap_or_else(|e| panic!("{what}: {e:?}"));
             let entry: Vec<_> = module.entry_points.iter().map(|e| (e.name.as_str(), e.workgroup_size)).collect();
-            // A tile's cells, four a thread.
-            assert_eq!(entry, [(kernel.name(), [TILE_CELLS as u32 / 4, 1, 1])], "{what}");
+            // A tile's cells, four times so many a thread; a thread a reading.
+            let threads = if kernel == Kernel::Sum { 64 } else { TILE_CELLS as u32 / (4 * groups) };
+            assert_eq!(entry, [(kernel.name(), [threads, 1, 1])], "{what}");
             if kernel != Kernel::Sum {
                 let planes = constants(&module)["PLANES"];
                 assert_eq!(planes, method::planes(method.as_ref()) as f64, "{what}: PLANES");
@@ -169,7 +171,7 @@ fn every_kernel_parses_and_validates() {
 fn himm_counts_in_the_same_unit() {
     use echogrid::method::himm::{HIT, MOST, ONE};
     let method = method::make(method::settings::Settings::of("himm").unwrap());
-    let found = constants(&parse(&shader::source(method.as_ref(), Kernel::Fuse, true), "himm"));
+    let found = constants(&parse(&shader::source(method.as_ref(), Kernel::Fuse, true, 1), "himm"));
     assert_eq!([ONE, HIT, MOST].map(f64::from), ["ONE", "HIT", "MOST"].map(|n| found[n]));
 }
 

@@ -1,8 +1,9 @@
 //! The same bytes whatever the batch, the number of threads and the run.
 
-use crate::common::{Scene, assert_same, every_settings, gpu, settings};
+use crate::common::{Scene, assert_same, every_settings, gpu, open, settings};
 use crate::scenes;
 use echogrid::kernels::cpu::Cpu;
+use echogrid::kernels::gpu::Options;
 use echogrid::kernels::{Backend, Limits};
 use echogrid::mapper::BATCH;
 use echogrid::method;
@@ -49,6 +50,22 @@ fn batches_on_the_gpu() {
         for batch in [1, 7] {
             let run = few.run(method.as_ref(), &mut *gpu, batch);
             assert_same(&format!("{name}, batches of {batch}, gpu"), &run, &at_once);
+        }
+    }
+}
+
+/// However many cells a thread owns: what suits a software adapter, and what a hardware one.
+#[test]
+fn shapes_on_the_gpu() {
+    for groups in [1, 2, 4, 8] {
+        let Some(mut gpu) = open(Options { groups: Some(groups), ..Options::default() }) else { return };
+        for (name, settings) in every_settings() {
+            let (method, scene) = (method::make(settings), first(log(settings), 700));
+            if method.cpu_only().is_none() {
+                let run = scene.run(method.as_ref(), &mut gpu, BATCH);
+                let Some(usual) = scene.gpu(settings) else { return };
+                assert_same(&format!("{name}, {groups} groups a thread"), &run, &usual);
+            }
         }
     }
 }

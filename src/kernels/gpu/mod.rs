@@ -28,6 +28,9 @@ pub struct Options {
     pub hardware: bool,
     /// Changes to the kernels' sources, for tests that seed faults.
     pub patches: Vec<Patch>,
+    /// How many times four cells a thread owns, 1 to 16 and a power of two; `None`: what suits the adapter's class. Results
+    /// don't depend on it.
+    pub groups: Option<u32>,
 }
 
 /// The GPU backend.
@@ -71,7 +74,7 @@ impl Gpu {
     }
 
     fn on(device: Device, options: &Options) -> Gpu {
-        let passes = Passes::new(&device, options.patches.clone());
+        let passes = Passes::new(&device, options);
         Gpu { device, passes, chunks: BTreeMap::new(), pending: None }
     }
 

@@ -1,6 +1,6 @@
 //! Pipelines, made when they are first needed, and the recording of a pass.
 
-use super::Patch;
+use super::Options;
 use super::device::Device;
 use super::shader::{self, Kernel};
 use crate::layout::{BROAD, Cone, WIDE};
@@ -41,14 +41,12 @@ pub fn key(method: &dyn Method, kernel: Kernel, needs: Needs) -> Key {
 pub struct Passes {
     layout: wgpu::BindGroupLayout,
     pipelines: BTreeMap<Key, wgpu::ComputePipeline>,
-    patches: Vec<Patch>,
-    /// How many times four cells a thread owns.
-    groups: u32,
+    options: Options,
 }
 
 impl Passes {
     /// None yet.
-    pub fn new(device: &Device, patches: Vec<Patch>) -> Passes {
+    pub fn new(device: &Device, options: &Options) -> Passes {
         let entry = |(binding, storage): (usize, &Option<bool>)| wgpu::BindGroupLayoutEntry {
             binding: binding as u32,
             visibility: wgpu::ShaderStages::COMPUTE,
@@ -67,8 +65,18 @@ impl Passes {
             label: Some("every pass"),
             entries: &entries,
         });
-        let groups = std::env::var("G").ok().and_then(|g| g.parse().ok()).unwrap_or(1);
-        Passes { layout, pipelines: BTreeMap::new(), patches, groups }
+        Passes { layout, pipelines: BTreeMap::new(), options: options.clone() }
+    }
+
+    /// How many times four cells a thread owns.
+    fn groups(&self, device: &Device, method: &str, needs: Needs) -> u32 {
+        let suits = || match (device.found.software, needs.wide) {
+            (false, _) => 1,
+            // 64 bits take more registers.
+            (true, true) => 2,
+            (true, false) => method::entry(method).map_or(1, |e| e.groups),
+        };
+        self.options.groups.unwrap_or_else(suits)
     }
 
     /// Makes a pipeline that is not there yet.
@@ -78,8 +86,8 @@ impl Passes {
             return Ok(());
         }
         let label = format!("{} {}", key.0, kernel.name());
-        let mut source = shader::source(method, kernel, needs.wide, self.groups);
-        for (from, to) in &self.patches {
+        let mut source = shader::source(method, kernel, needs.wide, self.groups(device, key.0, needs));
+        for (from, to) in &self.options.patches {
             source = source.replace(from, to);
         }
         let overrides = method.variant().into_iter().chain([("BROAD_BEAMS", needs.broad)]);
