@@ -32,6 +32,8 @@ pub struct Measured {
     pub median: f64,
     /// Of which binning on the host, seconds.
     pub binning: f64,
+    /// Seconds that each kind of pass took in one run more, by the processor's own clock.
+    pub passes: Vec<(String, f64)>,
     /// Cell updates a second, by the median.
     pub updates_per_second: f64,
     /// Readings a second, by the median.
@@ -67,7 +69,12 @@ pub fn measure(workload: &Workload, method: &dyn Method, backend: &mut dyn Backe
     let (mut seconds, mut binning, mut updates, mut moved) = (Vec::new(), Vec::new(), 0, 0);
     let passes = method.sweeps().iter().copied().flatten().filter(|s| matches!(s, Step::Pass(..))).count() as u64;
     let per_sweep = passes.div_ceil(method.sweeps().len() as u64);
-    for run in 0..=runs.max(1) {
+    let (mut passes, last) = (Vec::new(), runs.max(1) + 1);
+    for run in 0..=last {
+        // The last run is timed from within.
+        if run == last {
+            backend.time_passes();
+        }
         let started = Instant::now();
         let mut mapper =
             Mapper::new(workload.grid, &workload.sensors, method, backend, crate::mapper::BATCH).without_counts();
@@ -80,7 +87,9 @@ pub fn measure(workload: &Workload, method: &dyn Method, backend: &mut dyn Backe
         let (listed, cells) = (size_of::<Entry>() + size_of::<Cone>(), 8 * tile_words(method));
         moved = per_sweep * (mapper.work.entries * listed as u64 + mapper.work.tiles * cells as u64);
         updates = mapper.finish()?.map.updates;
-        if run > 0 {
+        if run == last {
+            passes = backend.pass_times().into_iter().map(|(name, s)| (name.to_string(), s)).collect();
+        } else if run > 0 {
             seconds.push(took);
             binning.push(bin);
         }
@@ -100,6 +109,7 @@ pub fn measure(workload: &Workload, method: &dyn Method, backend: &mut dyn Backe
         updates_per_second: updates as f64 / median,
         readings_per_second: readings as f64 / median,
         binning: self::median(&binning),
+        passes,
         seconds,
         median,
     })

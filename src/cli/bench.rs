@@ -152,7 +152,7 @@ impl Table {
         say!("{gap}{title}{gap}");
         most.iter().for_each(|m| say!("{m}{gap}"));
         let mut heads =
-            ["method", "workload", "M updates/s", "k readings/s", "ms", "binning", "B/update", "of ceiling"]
+            ["method", "workload", "M updates/s", "k readings/s", "ms", "binning", "B/update", "of ceiling", "passes, ms"]
                 .map(String::from)
                 .to_vec();
         if self.compared {
@@ -174,6 +174,7 @@ impl Table {
             format!("{:.1}", m.binning * 1e3),
             format!("{:.1}", m.bytes),
             m.ceiling.map_or("-".into(), |(share, of)| format!("{:.0} % {of}", 100.0 * share)),
+            passes(m),
         ];
         // Faster or slower than it was, as a factor.
         cells.extend(before.map(|b| b.map_or("-".into(), |old| format!("{:.2} x", m.updates_per_second / old))));
@@ -188,7 +189,7 @@ impl Table {
             say!("| {} |", cells.join(" | "));
             return;
         }
-        const WIDTHS: [usize; 9] = [17, 0, 12, 14, 10, 10, 10, 12, 10];
+        const WIDTHS: [usize; 10] = [17, 0, 12, 14, 10, 10, 10, 12, 36, 10];
         let width = |k: usize| if k == 1 { self.width } else { WIDTHS[k] };
         let cell = |(k, text): (usize, &String)| match k {
             0 | 1 => format!("{text:<0$}", width(k)),
@@ -224,6 +225,12 @@ fn growing(readings: usize) -> Vec<Workload> {
     };
     let more = [1, 4, 16, 64].map(|times| one(times, 512, "readings"));
     more.into_iter().chain([512, 1024, 2048, 4096].map(|cells| one(1, cells, "cells"))).collect()
+}
+
+/// What each kind of pass took, ms.
+fn passes(m: &Measured) -> String {
+    let each: Vec<String> = m.passes.iter().map(|(name, s)| format!("{name} {:.1}", s * 1e3)).collect();
+    if each.is_empty() { "-".into() } else { each.join(" ") }
 }
 
 /// A name that fits its column.

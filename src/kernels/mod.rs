@@ -60,6 +60,14 @@ pub trait Backend {
         Ok(None)
     }
 
+    /// From here on each pass is timed, which may slow down what lies between them.
+    fn time_passes(&mut self) {}
+
+    /// Ends that, and says what each kind of pass took in all, seconds, by the processor's own clock; nothing where it has none.
+    fn pass_times(&mut self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
     /// Returns when all that was applied is done.
     fn wait(&mut self) -> Result<()> {
         Ok(())

@@ -15,7 +15,9 @@ use crate::method::settings::Settings;
 use crate::method::{self, Method, Pass, Step};
 use crate::{Error, Result};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
 
 /// The CPU backend.
 pub struct Cpu {
@@ -23,6 +25,8 @@ pub struct Cpu {
     chunks: Chunks,
     /// Zeros to be used again: a first touch of new memory costs a system call a page.
     spare: Vec<Vec<u32>>,
+    /// Seconds of each kind of pass, while they are timed.
+    times: Option<BTreeMap<&'static str, f64>>,
 }
 
 /// A chunk of cells that no reading has reached, for a method whose tiles have so many words.
@@ -39,7 +43,7 @@ impl Cpu {
             .num_threads(threads)
             .build()
             .map_err(|e| Error::Resources(format!("can't start {threads} threads: {e}")))?;
-        Ok(Cpu { pool, chunks: Chunks::new(), spare: Vec::new() })
+        Ok(Cpu { pool, chunks: Chunks::new(), spare: Vec::new(), times: None })
     }
 }
 
@@ -68,7 +72,7 @@ impl Backend for Cpu {
         steps: &[Step],
         shares_so_far: &mut Shares,
     ) -> Result<()> {
-        let Cpu { pool, chunks, spare } = self;
+        let Cpu { pool, chunks, spare, times } = self;
         let words = method::tile_words(method);
         for list in &batch.chunks {
             chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| fresh_chunk(spare, words));
@@ -85,6 +89,7 @@ impl Backend for Cpu {
         let mut share = shares_so_far.clone();
         pool.install(|| {
             for step in steps {
+                let started = Instant::now();
                 match *step {
                     Step::Pass(pass, mode) => {
                         let frame = Frame { mode, ..frame };
@@ -99,9 +104,20 @@ impl Backend for Cpu {
                     Step::Hand => shares_so_far.clone_from(&share),
                     Step::Tally => tally(shares_so_far, counts(), batch.cones.len()),
                 }
+                if let (Some(times), Some(name)) = (times.as_mut(), name(step)) {
+                    *times.entry(name).or_default() += started.elapsed().as_secs_f64();
+                }
             }
         });
         Ok(())
+    }
+
+    fn time_passes(&mut self) {
+        self.times = Some(BTreeMap::new());
+    }
+
+    fn pass_times(&mut self) -> Vec<(&'static str, f64)> {
+        self.times.take().unwrap_or_default().into_iter().collect()
     }
 
     fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>> {
@@ -114,6 +130,17 @@ impl Backend for Cpu {
 
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
         Ok(std::mem::take(&mut self.chunks))
+    }
+}
+
+/// A step's name in measurements, if it is work of the processor.
+fn name(step: &Step) -> Option<&'static str> {
+    match step {
+        Step::Pass(Pass::Weigh, _) => Some("weigh"),
+        Step::Pass(Pass::Count, _) => Some("count"),
+        Step::Pass(Pass::Fuse, _) => Some("fuse"),
+        Step::Sum => Some("sum"),
+        Step::Share | Step::Hand | Step::Tally => None,
     }
 }
 

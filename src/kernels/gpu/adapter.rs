@@ -92,7 +92,13 @@ pub fn open(hardware: bool) -> Result<(Found, wgpu::Device, wgpu::Queue)> {
             limits.max_storage_buffers_per_shader_stage
         )));
     }
-    let descriptor = wgpu::DeviceDescriptor { label: Some("echogrid"), required_limits: limits, ..Default::default() };
+    let descriptor = wgpu::DeviceDescriptor {
+        label: Some("echogrid"),
+        required_limits: limits,
+        // For measuring; nothing needs it.
+        required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+        ..Default::default()
+    };
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
         .map_err(|e| none(&format!("{found} gives no device ({e})")))?;
     Ok((found, device, queue))

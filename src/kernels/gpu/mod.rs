@@ -4,6 +4,7 @@ pub mod adapter;
 mod ceiling;
 mod device;
 mod pass;
+mod timer;
 pub mod shader;
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
@@ -16,6 +17,7 @@ use device::Device;
 use pass::{Needs, Passes, key};
 use shader::Kernel;
 use std::collections::BTreeMap;
+use timer::Timer;
 use wgpu::BufferUsages as Usage;
 
 /// A change to a kernel's source: every `from` becomes `to`. For tests that seed faults.
@@ -40,6 +42,7 @@ pub struct Gpu {
     chunks: BTreeMap<[u32; 2], wgpu::Buffer>,
     /// The batch before, still under way: the host bins the next one meanwhile, and only two are held.
     pending: Option<wgpu::SubmissionIndex>,
+    timer: Option<Timer>,
 }
 
 /// A tile's part of a reading's sum: a number a thread.
@@ -75,7 +78,7 @@ impl Gpu {
 
     fn on(device: Device, options: &Options) -> Gpu {
         let passes = Passes::new(&device, options);
-        Gpu { device, passes, chunks: BTreeMap::new(), pending: None }
+        Gpu { device, passes, chunks: BTreeMap::new(), pending: None, timer: None }
     }
 
     /// The adapter.
@@ -177,12 +180,14 @@ impl Backend for Gpu {
         shares_so_far.resize(batch.cones.len(), [0; 4]);
         let buffers = self.upload(batch, steps.contains(&Step::Sum), shares_so_far);
         let mut encoder = self.device.encoder();
-        let record = |encoder: &mut _, kernel, frame: Frame, chunk: &ChunkBuffers, groups| {
+        let mut timer = self.timer.take();
+        let mut record = |encoder: &mut _, kernel: Kernel, frame: Frame, chunk: &ChunkBuffers, groups| {
             let Some(state) = self.chunks.get(&chunk.place) else { return };
             let frame = self.device.buffer("frame", &[frame], Usage::UNIFORM);
             let b = &buffers;
             let bound = [&frame, &b.cones, &chunk.tiles, &chunk.entries, state, &b.parts, &b.shares, &b.first_part];
-            self.passes.record(&self.device, encoder, key(method, kernel, needs), bound, groups);
+            let stamps = timer.as_mut().and_then(|t| t.writes(kernel.name()));
+            self.passes.record(&self.device, encoder, key(method, kernel, needs), bound, groups, stamps);
         };
         for step in steps {
             match *step {
@@ -216,10 +221,22 @@ impl Backend for Gpu {
             }
         }
         let submitted = self.device.submit(&mut encoder);
+        if let Some(timer) = &mut timer {
+            timer.read(&self.device)?;
+        }
+        self.timer = timer;
         if let Some(before) = self.pending.replace(submitted) {
             self.device.wait(Some(before))?;
         }
         self.healthy()
+    }
+
+    fn time_passes(&mut self) {
+        self.timer = Timer::new(&self.device);
+    }
+
+    fn pass_times(&mut self) -> Vec<(&'static str, f64)> {
+        self.timer.take().map_or_else(Vec::new, Timer::seconds)
     }
 
     fn wait(&mut self) -> Result<()> {

@@ -120,6 +120,7 @@ impl Passes {
 
     /// Records a pass over `groups` workgroups; `bound` in the order of the bindings. A chunk has at most 4096 tiles, and a
     /// batch at most 64 readings for each group of a dispatch, so one axis suffices.
+    #[allow(clippy::too_many_arguments, reason = "what a dispatch takes")]
     pub fn record(
         &self,
         device: &Device,
@@ -127,6 +128,7 @@ impl Passes {
         key: Key,
         bound: [&wgpu::Buffer; 8],
         groups: u32,
+        timestamp_writes: Option<wgpu::ComputePassTimestampWrites>,
     ) {
         let Some(pipeline) = self.pipelines.get(&key) else { return };
         let entries: Vec<_> = (0..)
@@ -139,7 +141,7 @@ impl Passes {
             layout: &self.layout,
             entries: &entries,
         });
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups(groups, 1, 1);
