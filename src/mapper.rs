@@ -82,7 +82,7 @@ impl<'a> Mapper<'a> {
 
     /// One sweep over the log: `items` are its readings in order, the same in every sweep.
     pub fn sweep(&mut self, sweep: usize, items: impl Iterator<Item = Result<Item>>) -> Result<()> {
-        let mut held = Vec::new();
+        let mut held = Vec::with_capacity(items.size_hint().0.min(self.batch));
         for item in items {
             held.push(item?);
             if held.len() == self.batch {

@@ -3,8 +3,8 @@
 
     readings.py FOLDER
 
-Writes sonar-5m, sonar-2m and laser-10m, each as .txt (a line a reading: x y heading range) and .jsonl; few-5m is every
-hundredth reading of sonar-5m.
+Writes cone-5m, sonar-5m, sonar-2m and laser-10m, each as .txt (a line a reading: x y heading range) and .jsonl; few-5m is
+every hundredth reading of sonar-5m.
 """
 import json
 import math
@@ -60,6 +60,7 @@ def main():
         sys.exit("usage: readings.py FOLDER")
     folder = sys.argv[1]
     os.makedirs(folder, exist_ok=True)
+    write(os.path.join(folder, "cone-5m"), SONAR, sonar(4, 5, 5))
     write(os.path.join(folder, "sonar-5m"), SONAR, sonar(1, 1, 5))
     write(os.path.join(folder, "few-5m"), SONAR, list(sonar(1, 1, 5))[::100])
     write(os.path.join(folder, "sonar-2m"), SONAR, sonar(2, 1, 2))

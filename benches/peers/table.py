@@ -10,6 +10,7 @@ import statistics
 import sys
 
 WORKLOADS = {
+    "cone-5m": "sonar, 30° cones, 5 m",
     "sonar-5m": "sonar, 30° cones, 1–5 m",
     "sonar-2m": "sonar, 30° cones, 1–2 m",
     "laser-10m": "laser, 361 beams, 9–10 m",

@@ -22,7 +22,7 @@ pub const ENTRY: Entry = Entry {
     source: "Elfes 1989; Murphy 2000",
     about: "log odds of occupied from each reading's likelihoods",
     wgsl: include_str!("../../shaders/method/bayes.wgsl"),
-    cost: Cost { flop: 45, int: 22 },
+    cost: Cost { flop: 23, int: 22 },
     groups: 8,
     make: |settings| match settings {
         Settings::Bayes(b) => Some(Box::new(b)),

@@ -25,7 +25,7 @@ pub const ENTRY: Entry = Entry {
     source: "Moravec & Elfes 1985",
     about: "certainties of empty and of occupied, the occupied of each reading cancelled and normalised over its arc",
     wgsl: include_str!("../../shaders/method/certainty.wgsl"),
-    cost: Cost { flop: 104, int: 44 },
+    cost: Cost { flop: 65, int: 44 },
     groups: 4,
     make: |settings| match settings {
         Settings::Certainty(c) => Some(Box::new(c)),
