@@ -4,9 +4,16 @@
 //! the arc may, and one where the tile is interior throughout. Lists may hold a cone too many, never one too few: the
 //! kernels decide each cell exactly.
 
+mod narrow;
+mod shape;
+
 use crate::layout::*;
-use crate::snap::{Footprint, SLACK, region};
+use crate::snap::{Footprint, region};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use narrow::{Columns, Met, TILES};
 use rayon::prelude::*;
+use shape::{Extremes, Shape};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -106,10 +113,15 @@ impl Binning {
 
     /// What some readings reach.
     fn run(&self, cones: &[Cone]) -> Run {
+        dispatch!(Level::new(), simd => self.run_on(simd, cones))
+    }
+
+    #[inline(always)]
+    fn run_on<S: Simd>(&self, simd: S, cones: &[Cone]) -> Run {
         let mut run = Run::default();
         for cone in cones {
             run.first_part.push(run.parts);
-            self.reach(cone, cones.len(), &mut run);
+            self.reach(simd, cone, cones.len(), &mut run);
         }
         run
     }
@@ -117,21 +129,52 @@ impl Binning {
     /// Adds a pair for every tile that the cone may touch, chunk by chunk and in each tile row by tile row, so that a
     /// sum over its arc is the same whether chunks are resident together or done one after the other. The run has so many
     /// `readings`.
-    fn reach(&self, cone: &Cone, readings: usize, run: &mut Run) {
+    #[inline(always)]
+    fn reach<S: Simd>(&self, simd: S, cone: &Cone, readings: usize, run: &mut Run) {
         let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
         let shape = Shape::of(cone, self.footprint);
         for place in self.chunks_of_shape(cone, &shape) {
             // Room for a sonar's cones of a usual size, so that a list rarely has to move.
             let room = || Vec::with_capacity(16 * readings);
             let pairs = run.chunks.entry([place[1], place[0]]).or_insert_with(room);
-            self.tiles_in(cone, &shape, place, &mut |[i, j], (arc, inside)| {
+            let mut push = |[i, j]: [i64; 2], (arc, inside): (bool, bool)| {
                 let arc = arc && arcs;
                 let flags = if arc { ARC } else { 0 } | if inside { INSIDE } else { 0 };
                 let slot = (j % CHUNK as i64 * CHUNK as i64 + i % CHUNK as i64) as u16;
                 pairs.push((slot, Entry { cone: cone.index << ENTRY_SHIFT | flags, slot: run.parts }));
                 run.parts += u32::from(arc);
-            });
+            };
+            if cone.flags & WIDE != 0 {
+                self.tiles_in(cone, &shape, place, &mut push);
+                continue;
+            }
+            let [rows, columns] = self.within(self.spans(cone, &shape), place);
+            let edge = (TILE as i64) * i64::from(CELL);
+            let count = (columns.end - columns.start).max(0) as usize;
+            let at = edge * columns.start - i64::from(cone.sensor[0]);
+            // A cone of a usual size lies in 16 columns.
+            if count > TILES {
+                self.tiles_in(cone, &shape, place, &mut push);
+                continue;
+            }
+            let across = Columns::of(simd, &shape, at);
+            for j in rows {
+                let Met { some, arc, inside } =
+                    across.meet(&shape, &shape.extremes(1, edge * j - i64::from(cone.sensor[1])));
+                let mut left = some & ((1 << count) - 1);
+                while left != 0 {
+                    let k = left.trailing_zeros();
+                    left &= left - 1;
+                    let i = columns.start + i64::from(k);
+                    push([i, j], (arc >> k & 1 != 0, inside >> k & 1 != 0 && self.whole([i, j])));
+                }
+            }
         }
+    }
+
+    /// Whether all of a tile lies in the grid.
+    fn whole(&self, tile: [i64; 2]) -> bool {
+        [0, 1].iter().all(|&k| (tile[k] + 1) as usize * TILE <= self.size[k])
     }
 
     /// Shows each tile that the cone may touch, by column and row: whether its arc may, and whether all of it is interior.
@@ -158,8 +201,7 @@ impl Binning {
             let up = extremes(1, j);
             for (i, column) in columns.clone().zip(&across) {
                 let Some((arc, inside)) = shape.meets(column, &up) else { continue };
-                let whole = (i + 1) as usize * TILE <= self.size[0] && (j + 1) as usize * TILE <= self.size[1];
-                show([i, j], (arc, inside && whole));
+                show([i, j], (arc, inside && self.whole([i, j])));
             }
         }
     }
@@ -232,120 +274,6 @@ fn list(place: [u32; 2], runs: &[(&[Pair], u32)]) -> ChunkList {
         *end += 1;
     }
     ChunkList { place, tiles, entries }
-}
-
-/// A cone's outline relative to its sensor, in 64-bit units.
-struct Shape {
-    footprint: Footprint,
-    laser: bool,
-    low: [i64; 2],
-    high: [i64; 2],
-    inner2: i64,
-    outer2: i64,
-    outer: i64,
-    axis: [i64; 2],
-    left: [i64; 2],
-    right: [i64; 2],
-}
-
-impl Shape {
-    fn of(cone: &Cone, footprint: Footprint) -> Shape {
-        let wide = |a: [i32; 2]| a.map(i64::from);
-        let (axis, left, right) = (wide(cone.axis), wide(cone.left), wide(cone.right));
-        let [inner, outer] = wide(cone.reach);
-        // The sensor, the ends of both edges and of the axis, and the circle's extremes that lie between the edges.
-        let direction = i64::from(DIRECTION);
-        let between = |v: [i64; 2]| cross(left, v) <= 0 && cross(right, v) >= 0 && dot(axis, v) >= 0;
-        let compass = [[direction, 0], [0, direction], [-direction, 0], [0, -direction]];
-        let tips = [axis, left, right].into_iter().chain(compass.into_iter().filter(|c| between(*c)));
-        let (mut low, mut high) = ([0; 2], [0; 2]);
-        for tip in tips {
-            for k in 0..2 {
-                let v = tip[k] * outer / direction;
-                low[k] = low[k].min(v);
-                high[k] = high[k].max(v);
-            }
-        }
-        let laser = cone.flags & LASER != 0;
-        // A direction is rounded by up to 1/8192, so a far tip by more than a unit.
-        let slack = 2 + outer / 4096 + if laser || footprint == Footprint::Axis { SLACK } else { 0 };
-        Shape {
-            footprint,
-            laser,
-            low: low.map(|v| v - slack),
-            high: high.map(|v| v + slack),
-            inner2: inner * inner,
-            outer2: outer * outer,
-            outer,
-            axis,
-            left,
-            right,
-        }
-    }
-
-    /// A tile column's (`k` 0) or tile row's (1) part of its tiles' extremes; it begins at `at` from the sensor.
-    fn extremes(&self, k: usize, at: i64) -> Extremes {
-        // The cells' centres.
-        let low = at + i64::from(CELL / 2);
-        let high = low + i64::from(CELL) * (TILE as i64 - 1);
-        let by = |factor: i64| if factor < 0 { [factor * high, factor * low] } else { [factor * low, factor * high] };
-        // cross(a, v) = a.x·v.y − a.y·v.x; dot(a, v) = a.x·v.x + a.y·v.y.
-        let cross = |a: [i64; 2]| by(if k == 0 { -a[1] } else { a[0] });
-        Extremes {
-            left: cross(self.left),
-            right: cross(self.right),
-            across: cross(self.axis),
-            along: by(self.axis[k]),
-            near2: 0.clamp(low, high).pow(2),
-            far2: low.abs().max(high.abs()).pow(2),
-        }
-    }
-
-    /// Whether the cone may touch the tile of this column and row: (its arc may, all of the tile is interior).
-    fn meets(&self, column: &Extremes, row: &Extremes) -> Option<(bool, bool)> {
-        let sum = |a: [i64; 2], b: [i64; 2]| [a[0] + b[0], a[1] + b[1]];
-        let half = i64::from(CELL / 2);
-        let (near2, far2) = (column.near2 + row.near2, column.far2 + row.far2);
-        let along = sum(column.along, row.along);
-        let direction = i64::from(DIRECTION);
-        let in_band = |width: i64, before: i64| {
-            let across = sum(column.across, row.across);
-            across[0] <= width && across[1] >= -width && along[1] >= before && along[0] <= self.outer * direction
-        };
-        match self.footprint {
-            // On the axis: within half a cell of it along the other world axis, so at most that far from it.
-            Footprint::Axis => in_band(half * direction, -SLACK * direction).then_some((true, false)),
-            Footprint::Cone | Footprint::Wedge => {
-                let (left, right) = (sum(column.left, row.left), sum(column.right, row.right));
-                let in_wedge = left[0] <= 0 && right[1] >= 0 && along[1] >= 0;
-                if near2 > self.outer2 || !(in_wedge || self.laser && in_band(half * direction, 0)) {
-                    return None;
-                }
-                let inside = left[1] < 0 && right[0] >= 0 && along[0] >= 0 && far2 < self.inner2;
-                Some((far2 >= self.inner2, inside))
-            }
-        }
-    }
-}
-
-/// The least and the largest of a cone's products with v over a tile, and the squares of its nearest and farthest distance:
-/// the part of a column of tiles, or of a row.
-#[derive(Debug, Clone, Copy, Default)]
-struct Extremes {
-    left: [i64; 2],
-    right: [i64; 2],
-    across: [i64; 2],
-    along: [i64; 2],
-    near2: i64,
-    far2: i64,
-}
-
-fn cross(a: [i64; 2], v: [i64; 2]) -> i64 {
-    a[0] * v[1] - a[1] * v[0]
-}
-
-fn dot(a: [i64; 2], v: [i64; 2]) -> i64 {
-    a[0] * v[0] + a[1] * v[1]
 }
 
 #[cfg(test)]

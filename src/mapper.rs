@@ -99,21 +99,24 @@ impl<'a> Mapper<'a> {
             return Ok(());
         }
         let started = std::time::Instant::now();
-        let snapped: Vec<Option<Cone>> = {
-            let (grid, sensors, method) = (&self.grid, self.sensors, self.method);
-            items.par_iter().with_min_len(256).map(|item| snap_item(grid, sensors, method, item)).collect()
-        };
-        let misses = snapped.iter().filter(|s| s.is_none()).count() as u64;
         let binning = Binning {
             size: [self.grid.width, self.grid.height],
             footprint: self.method.footprint(),
             no_echo_arcs: self.method.sweeps()[sweep].contains(&method::Step::Share),
             only: None,
         };
-        if items.len() > 1 && snapped.par_iter().with_min_len(256).flatten().map(|c| binning.at_most(c)).sum::<usize>() > PAIRS {
-            return self.halves(sweep, items);
-        }
-        let batch = binning.bin(snapped.into_iter().flatten().collect());
+        let (grid, sensors, method) = (&self.grid, self.sensors, self.method);
+        // Once into the pool for all of it: its threads are slow to wake.
+        let batch = rayon::scope(|_| {
+            // Each snapped reading, and how many tiles it reaches at most.
+            let snap = |item| snap_item(grid, sensors, method, item).map(|cone| (binning.at_most(&cone), cone));
+            let snapped: Vec<_> = items.par_iter().with_min_len(256).map(snap).collect();
+            let pairs = snapped.iter().flatten().map(|s| s.0).sum::<usize>();
+            let fits = items.len() == 1 || pairs <= PAIRS;
+            fits.then(|| binning.bin(snapped.into_iter().flatten().map(|s| s.1).collect()))
+        });
+        let Some(batch) = batch else { return self.halves(sweep, items) };
+        let misses = (items.len() - batch.cones.len()) as u64;
         self.work.binning_us += started.elapsed().as_micros() as u64;
         let sums = self.method.sweeps()[sweep].contains(&method::Step::Sum);
         if too_large(&batch, sums, self.backend.limits(), items.len() == 1)? {
