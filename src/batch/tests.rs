@@ -231,3 +231,40 @@ fn no_readings_make_no_tiles() {
     assert!(batch.chunks.is_empty() && batch.cones.is_empty());
     assert_eq!(batch.first_part, [0]);
 }
+
+/// 16 tiles at once in 32 bits against one by one in 64.
+#[test]
+fn narrow_is_what_one_by_one_is() {
+    use fearless_simd::{Level, Simd, dispatch};
+    fn rows<S: Simd>(simd: S, shape: &Shape, at: [i64; 2]) -> Vec<Met> {
+        let columns = Columns::of(simd, shape, at[0]);
+        (0..TILES as i64).map(|j| columns.meet(shape, &shape.extremes(1, at[1] + 512 * j))).collect()
+    }
+    let (mut met, mut arcs, mut insides) = (0, 0, 0);
+    for (k, near) in many(600).into_iter().enumerate() {
+        // Every third as far as 32 bits may go, in its own direction.
+        let far = Cone { reach: [32_000, 32_768], ..near };
+        let cone = if k % 3 == 0 { far } else { near };
+        for footprint in FOOTPRINTS {
+            let shape = Shape::of(&cone, footprint);
+            for corner in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+                // The tiles from each corner of the box on.
+                let at = [0, 1].map(|k| if corner[k] == 0 { shape.low[k] } else { shape.high[k] - 16 * 512 });
+                let rows = dispatch!(Level::new(), simd => rows(simd, &shape, at));
+                for (j, row) in rows.iter().enumerate() {
+                    let up = shape.extremes(1, at[1] + 512 * j as i64);
+                    for i in 0..TILES {
+                        let one = shape.meets(&shape.extremes(0, at[0] + 512 * i as i64), &up);
+                        let bit = |bits: u32| bits >> i & 1 != 0;
+                        let found = bit(row.some).then_some((bit(row.arc), bit(row.inside)));
+                        assert_eq!(found, one, "cone {k}, {footprint:?}, tile {i}, {j} from {at:?}");
+                        let (arc, inside) = one.unwrap_or_default();
+                        (met, arcs, insides) =
+                            (met + usize::from(one.is_some()), arcs + usize::from(arc), insides + usize::from(inside));
+                    }
+                }
+            }
+        }
+    }
+    assert!(met > 10_000 && arcs > 1000 && insides > 1000, "{met} met, {arcs} arcs, {insides} inside");
+}

@@ -21,7 +21,8 @@ use std::time::Instant;
 
 /// The CPU backend.
 pub struct Cpu {
-    pool: rayon::ThreadPool,
+    /// `None`: the program's own, where it has as many threads. Threads that slept are slow to wake.
+    pool: Option<rayon::ThreadPool>,
     chunks: Chunks,
     /// Zeros to be used again: a first touch of new memory costs a system call a page.
     spare: Vec<Vec<u32>>,
@@ -39,10 +40,14 @@ fn fresh_chunk(spare: &mut Vec<Vec<u32>>, tile_words: usize) -> Vec<u32> {
 impl Cpu {
     /// With that many threads; 0: one a core.
     pub fn new(threads: usize) -> Result<Cpu> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|e| Error::Resources(format!("can't start {threads} threads: {e}")))?;
+        let own = || {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .map_err(|e| Error::Resources(format!("can't start {threads} threads: {e}")))
+        };
+        let shared = threads == 0 || threads == rayon::current_num_threads();
+        let pool = if shared { None } else { Some(own()?) };
         Ok(Cpu { pool, chunks: Chunks::new(), spare: Vec::new(), times: None })
     }
 }
@@ -53,11 +58,12 @@ impl Backend for Cpu {
     }
 
     fn adapter(&self) -> String {
-        format!("{} threads, {}", self.pool.current_num_threads(), walk::simd_level())
+        format!("{} threads, {}", threads(&self.pool), walk::simd_level())
     }
 
     fn ceilings(&mut self) -> Result<Option<super::ceiling::Ceilings>> {
-        super::ceiling::cpu(&self.pool).map(Some)
+        let threads = threads(&self.pool);
+        install(&self.pool, || super::ceiling::cpu(threads)).map(Some)
     }
 
     fn limits(&self) -> Limits {
@@ -87,7 +93,7 @@ impl Backend for Cpu {
         let parts: Vec<AtomicU32> = (0..parts.max(batch.cones.len())).map(|_| AtomicU32::new(0)).collect();
         let counts = || parts.iter().map(|p| p.load(Ordering::Relaxed));
         let mut share = shares_so_far.clone();
-        pool.install(|| {
+        install(pool, || {
             for step in steps {
                 let started = Instant::now();
                 match *step {
@@ -130,6 +136,17 @@ impl Backend for Cpu {
 
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
         Ok(std::mem::take(&mut self.chunks))
+    }
+}
+
+fn threads(pool: &Option<rayon::ThreadPool>) -> usize {
+    pool.as_ref().map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads)
+}
+
+fn install<R: Send>(pool: &Option<rayon::ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
+    match pool {
+        Some(pool) => pool.install(work),
+        None => rayon::scope(|_| work()),
     }
 }
 
