@@ -184,13 +184,7 @@ impl Binning {
     }
 
     /// The same in one chunk.
-    fn tiles_in(
-        &self,
-        cone: &Cone,
-        shape: &Shape,
-        place: [u32; 2],
-        show: &mut impl FnMut([i64; 2], (bool, bool)),
-    ) {
+    fn tiles_in(&self, cone: &Cone, shape: &Shape, place: [u32; 2], show: &mut impl FnMut([i64; 2], (bool, bool))) {
         let [rows, columns] = self.within(self.spans(cone, shape), place);
         let edge = (TILE as i64) * i64::from(CELL);
         let extremes = |k: usize, tile: i64| shape.extremes(k, edge * tile - i64::from(cone.sensor[k]));

@@ -151,10 +151,19 @@ impl Table {
         let gap = if self.markdown { "\n" } else { "" };
         say!("{gap}{title}{gap}");
         most.iter().for_each(|m| say!("{m}{gap}"));
-        let mut heads =
-            ["method", "workload", "M updates/s", "k readings/s", "ms", "binning", "B/update", "of ceiling", "passes, ms"]
-                .map(String::from)
-                .to_vec();
+        let mut heads = [
+            "method",
+            "workload",
+            "M updates/s",
+            "k readings/s",
+            "ms",
+            "binning",
+            "B/update",
+            "of ceiling",
+            "passes, ms",
+        ]
+        .map(String::from)
+        .to_vec();
         if self.compared {
             heads.push("before".into());
         }

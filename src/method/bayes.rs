@@ -80,7 +80,11 @@ impl Kernel for Bayes {
     #[inline(always)]
     fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Cells<S> {
         let (occupied, empty) = (u32x16::load_array(simd, planes[0][row]), u32x16::load_array(simd, planes[1][row]));
-        Cells { occupied: from_one(occupied), empty: from_one(empty), scale: u32x16::load_array(simd, planes[2][row]).bitcast() }
+        Cells {
+            occupied: from_one(occupied),
+            empty: from_one(empty),
+            scale: u32x16::load_array(simd, planes[2][row]).bitcast(),
+        }
     }
 
     #[inline(always)]

@@ -118,7 +118,10 @@ impl Kernel for Certainty {
 
     #[inline(always)]
     fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Cells<S> {
-        Cells { open: from_one(u32x16::load_array(simd, planes[0][row])), clear: from_one(u32x16::load_array(simd, planes[1][row])) }
+        Cells {
+            open: from_one(u32x16::load_array(simd, planes[0][row])),
+            clear: from_one(u32x16::load_array(simd, planes[1][row])),
+        }
     }
 
     #[inline(always)]

@@ -70,6 +70,29 @@ fn shapes_on_the_gpu() {
     }
 }
 
+/// Timing the passes names each kind, changes nothing, and ends when it is asked for.
+#[test]
+fn timed_passes() {
+    fn check(backend: &mut dyn Backend) {
+        for (name, kinds) in [("certainty", ["fuse", "sum", "weigh"].as_slice()), ("bayes", &["fuse"])] {
+            let settings = settings(name);
+            let (method, scene) = (method::make(settings), first(log(settings), 900));
+            let untimed = scene.run(method.as_ref(), backend, 300);
+            assert!(backend.pass_times().is_empty());
+            backend.time_passes();
+            let timed = scene.run(method.as_ref(), backend, 300);
+            assert_same(&format!("{name}, timed"), &timed, &untimed);
+            let times = backend.pass_times();
+            assert_eq!(times.iter().map(|t| t.0).collect::<Vec<_>>(), kinds, "{}", backend.name());
+            assert!(times.iter().all(|t| t.1 > 0.0 && t.1 < 60.0), "{times:?}");
+        }
+    }
+    check(&mut Cpu::new(0).unwrap());
+    if let Some(mut gpu) = gpu() {
+        check(&mut *gpu);
+    }
+}
+
 /// The larger scenes, by the four methods: 20,000 overlapping cones, and both real logs in 5 cm cells.
 #[test]
 fn large_scenes() {

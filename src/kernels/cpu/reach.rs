@@ -35,13 +35,7 @@ pub(super) struct Reach {
 
 impl Reach {
     pub(super) fn new() -> Reach {
-        Reach {
-            rows: 0,
-            interior: [0; TILE],
-            arc: [0; TILE],
-            distance: [[0.0; TILE]; TILE],
-            turn: [[0.0; TILE]; TILE],
-        }
+        Reach { rows: 0, interior: [0; TILE], arc: [0; TILE], distance: [[0.0; TILE]; TILE], turn: [[0.0; TILE]; TILE] }
     }
 
     /// Fills the rows whose bit is set; without `ARCS` none has a cell on the arc; distances and angles only with `polar`.
