@@ -1,4 +1,4 @@
-// A tile's cells in groups of four of a row; twin of src/kernels/cpu/walk.rs (Place).
+// A tile's cells in groups of four of a row; twin of src/kernels/cpu/reach.rs (Place).
 //
 // A thread owns 64 / THREADS groups: the lines between `each GROUP` and `end` stand once for each. More groups a thread spread
 // the reading of an entry over more cells, fewer use more threads.

@@ -240,8 +240,8 @@ fn twins_name_each_other() {
             }
         }
     }
-    // Each method's half, and layout, cone, wide, narrow, profile.
-    assert_eq!(twins, method::REGISTRY.len() + 5);
+    // Each method's half, and layout, cone, wide, narrow, profile, tile.
+    assert_eq!(twins, method::REGISTRY.len() + 6);
     for entry in method::REGISTRY {
         let half = entry.name.replace('-', "_");
         assert!(shaders.iter().any(|s| relative(s) == format!("shaders/method/{half}.wgsl")), "{}", entry.name);

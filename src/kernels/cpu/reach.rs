@@ -1,14 +1,84 @@
-//! What a reading reaches of a tile: regions, distances and angles of its rows.
+//! What a reading reaches of a tile: regions, distances and angles of its rows; twin of `shaders/driver/tile.wgsl`.
 //!
 //! It is found row by row before the method updates row by row: two short chains of dependent operations, of which a
 //! processor has several under way, instead of one long one.
 
-use super::walk::{Bits, Kernel, Place};
+use super::walk::{Job, Kernel};
 use crate::cone::{Row, Sight};
 use crate::layout::*;
 use crate::profile;
+use bytemuck::Zeroable;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
+
+/// Entries whose rows are looked at together.
+pub(super) const AHEAD: usize = 16;
+
+/// The places of the ones in a word of 16 bits.
+pub(super) struct Bits(pub(super) u32);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let place = self.0.trailing_zeros() as usize & (TILE - 1);
+        let some = self.0 != 0;
+        self.0 &= self.0.wrapping_sub(1);
+        some.then_some(place)
+    }
+}
+
+/// A tile and the part of it that lies in the grid.
+pub(super) struct Place {
+    corner: [i32; 2],
+    columns: usize,
+    rows: usize,
+}
+
+impl Place {
+    #[inline(always)]
+    pub(super) fn of(job: &Job) -> Place {
+        let [width, height] = job.frame.size;
+        let [x, y] = job.tile.corner;
+        Place { corner: [x as i32, y as i32], columns: (width - x) as usize, rows: TILE.min((height - y) as usize) }
+    }
+
+    /// The rows that the grid has of the tile, a bit each.
+    #[inline(always)]
+    fn rows(&self) -> u32 {
+        0xffff >> (TILE - self.rows)
+    }
+
+    /// The tile as a cone sees it; a missing echo's arc only with `arcs`.
+    #[inline(always)]
+    fn sight<S: Simd>(&self, simd: S, cone: &Cone, arcs: bool) -> Sight<S> {
+        let [i, j] = self.corner;
+        let v = [CELL * i + CELL / 2 - cone.sensor[0], CELL * j + CELL / 2 - cone.sensor[1]];
+        Sight::of(simd, cone, v, arcs || cone.flags & NO_ECHO == 0)
+    }
+}
+
+/// A few entries' sights of the tile and the rows to look at, found ahead: a loop over rows then knows its end, and doesn't
+/// wait for a cone.
+pub(super) struct Ahead<S: Simd>(pub(super) [(Sight<S>, u32); AHEAD]);
+
+impl<S: Simd> Ahead<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S) -> Self {
+        Ahead([(Sight::of(simd, &Zeroable::zeroed(), [0, 0], false), 0); AHEAD])
+    }
+
+    /// Looks at these entries, `AHEAD` at most; a missing echo's arc only with `arcs`.
+    #[inline(always)]
+    pub(super) fn look(&mut self, simd: S, axis: bool, place: &Place, job: &Job, entries: &[Entry], arcs: bool) {
+        for ((sight, rows), entry) in self.0.iter_mut().zip(entries) {
+            let cone = &job.cones[entry.index()];
+            *sight = place.sight(simd, cone, arcs);
+            *rows = if entry.cone & INSIDE != 0 { 0xffff } else { sight.rows(cone, axis) & place.rows() };
+        }
+    }
+}
 
 /// 16 cells of a row as a method sees them.
 #[derive(Debug, Clone, Copy)]
@@ -71,7 +141,7 @@ impl Reach {
             }
             (false, false, true) => {
                 for y in Bits(rows) {
-                    self.set::<S, false>(y, &sight.inside_row(y), columns, polar.then_some((frame, cone)));
+                    self.set::<S, ARCS>(y, &sight.inside_row(y), columns, polar.then_some((frame, cone)));
                 }
             }
             (false, false, false) => {

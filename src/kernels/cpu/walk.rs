@@ -1,10 +1,8 @@
 //! The drivers of the CPU's passes: a tile's list of readings, in log order, row by row; twins of `shaders/driver/*.wgsl`.
 
-use super::reach::{Reach, Reached};
-use crate::cone::Sight;
+use super::reach::{AHEAD, Ahead, Bits, Place, Reach, Reached};
 use crate::layout::*;
 use crate::method::Pass;
-use bytemuck::Zeroable;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, u32x16};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -73,75 +71,6 @@ pub fn walk<K: Kernel>(kernel: &K, pass: Pass, job: &Job, state: &mut [u32]) {
         Pass::Fuse => dispatch!(level, simd => fuse(simd, kernel, job, planes)),
         Pass::Weigh => dispatch!(level, simd => weigh(simd, kernel, job, planes)),
         Pass::Count => dispatch!(level, simd => count::<_, K>(simd, job)),
-    }
-}
-
-/// Entries whose rows are looked at together.
-const AHEAD: usize = 16;
-
-/// The places of the ones in a word of 16 bits.
-pub(super) struct Bits(pub(super) u32);
-
-impl Iterator for Bits {
-    type Item = usize;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
-        let place = self.0.trailing_zeros() as usize & (TILE - 1);
-        let some = self.0 != 0;
-        self.0 &= self.0.wrapping_sub(1);
-        some.then_some(place)
-    }
-}
-
-/// A tile and the part of it that lies in the grid.
-pub(super) struct Place {
-    corner: [i32; 2],
-    pub(super) columns: usize,
-    rows: usize,
-}
-
-impl Place {
-    #[inline(always)]
-    fn of(job: &Job) -> Place {
-        let [width, height] = job.frame.size;
-        let [x, y] = job.tile.corner;
-        Place { corner: [x as i32, y as i32], columns: (width - x) as usize, rows: TILE.min((height - y) as usize) }
-    }
-
-    /// The rows that the grid has of the tile, a bit each.
-    #[inline(always)]
-    fn rows(&self) -> u32 {
-        0xffff >> (TILE - self.rows)
-    }
-
-    /// The tile as a cone sees it; a missing echo's arc only with `arcs`.
-    #[inline(always)]
-    fn sight<S: Simd>(&self, simd: S, cone: &Cone, arcs: bool) -> Sight<S> {
-        let [i, j] = self.corner;
-        let v = [CELL * i + CELL / 2 - cone.sensor[0], CELL * j + CELL / 2 - cone.sensor[1]];
-        Sight::of(simd, cone, v, arcs || cone.flags & NO_ECHO == 0)
-    }
-}
-
-/// A few entries' sights of the tile and the rows to look at, found ahead: a loop over rows then knows its end, and doesn't
-/// wait for a cone.
-struct Ahead<S: Simd>([(Sight<S>, u32); AHEAD]);
-
-impl<S: Simd> Ahead<S> {
-    #[inline(always)]
-    fn new(simd: S) -> Self {
-        Ahead([(Sight::of(simd, &Zeroable::zeroed(), [0, 0], false), 0); AHEAD])
-    }
-
-    /// Looks at these entries, `AHEAD` at most; a missing echo's arc only with `arcs`.
-    #[inline(always)]
-    fn look(&mut self, simd: S, axis: bool, place: &Place, job: &Job, entries: &[Entry], arcs: bool) {
-        for ((sight, rows), entry) in self.0.iter_mut().zip(entries) {
-            let cone = &job.cones[entry.index()];
-            *sight = place.sight(simd, cone, arcs);
-            *rows = if entry.cone & INSIDE != 0 { 0xffff } else { sight.rows(cone, axis) & place.rows() };
-        }
     }
 }
 
