@@ -66,6 +66,11 @@ impl Measured {
 
 /// Runs a workload `runs` times after one for warming up.
 pub fn measure(workload: &Workload, method: &dyn Method, backend: &mut dyn Backend, runs: usize) -> Result<Measured> {
+    // In the pool: from outside each parallel step would have to wake one thread more.
+    rayon::scope(|_| measure_here(workload, method, backend, runs))
+}
+
+fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Backend, runs: usize) -> Result<Measured> {
     let (mut seconds, mut binning, mut updates, mut moved) = (Vec::new(), Vec::new(), 0, 0);
     let passes = method.sweeps().iter().copied().flatten().filter(|s| matches!(s, Step::Pass(..))).count() as u64;
     let per_sweep = passes.div_ceil(method.sweeps().len() as u64);

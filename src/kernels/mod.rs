@@ -13,6 +13,7 @@ use crate::batch::Batch;
 use crate::layout::{Cone, Frame, NO_ECHO};
 use crate::method::{Method, Step};
 use crate::reading::Outcome;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// The cells of the chunks that readings reached: words, tile by tile, plane by plane, row by row; by chunk row and column.
@@ -34,7 +35,7 @@ pub struct Limits {
 }
 
 /// Something that runs a method's steps over batches and keeps the cells.
-pub trait Backend {
+pub trait Backend: Send {
     /// `cpu` or `gpu`.
     fn name(&self) -> &'static str;
 
@@ -86,7 +87,8 @@ pub trait Backend {
 /// Each reading's share from its count of arc cells.
 pub fn shares(method: &dyn Method, counts: impl Iterator<Item = u32>, cones: &[Cone]) -> Shares {
     let outcome = |cone: &Cone| if cone.flags & NO_ECHO != 0 { Outcome::NoEcho } else { Outcome::Hit };
-    counts.zip(cones).map(|(count, cone)| method.share(count, outcome(cone))).collect()
+    let counts: Vec<u32> = counts.collect();
+    counts.par_iter().with_min_len(256).zip(cones).map(|(count, cone)| method.share(*count, outcome(cone))).collect()
 }
 
 /// Adds counts to those in the shares.
