@@ -1,6 +1,6 @@
 // The snapped cone: which cells a reading frees and which lie on its arc, in integers; twin of src/cone.rs.
 //
-// Membership is exact, so it is the same on every backend. A thread classifies its four cells of a row at once.
+// Membership is exact, so it is the same on every backend. Four cells of a row are classified at once.
 
 struct Row {
     // Freed by the reading.

@@ -134,8 +134,9 @@ impl Binning {
         let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
         let shape = Shape::of(cone, self.footprint);
         for place in self.chunks_of_shape(cone, &shape) {
-            // Room for a sonar's cones of a usual size, so that a list rarely has to move.
-            let room = || Vec::with_capacity(16 * readings);
+            // Room in the first chunk for a sonar's cones of a usual size, so that its list rarely has to move.
+            let first = run.chunks.is_empty();
+            let room = || if first { Vec::with_capacity(16 * readings) } else { Vec::new() };
             let pairs = run.chunks.entry([place[1], place[0]]).or_insert_with(room);
             let mut push = |[i, j]: [i64; 2], (arc, inside): (bool, bool)| {
                 let arc = arc && arcs;

@@ -41,10 +41,11 @@ const FARTHEST: i64 = 1 << 28;
 /// What a footprint may exceed its reach and its edges by, units.
 pub(crate) const SLACK: i64 = 2 * CELL as i64;
 
-/// ⌊v + ½⌋; `f64::floor` is a call into the mathematical library on processors of the oldest kind.
+/// ⌊v + ½⌋, within what no grid reaches; `f64::floor` is a call into the mathematical library on processors of the oldest kind.
 fn round(v: f64) -> i64 {
-    let near = (v + 0.5) as i64;
-    near - i64::from(near as f64 > v + 0.5)
+    let v = (v + 0.5).clamp(-1e15, 1e15);
+    let near = v as i64;
+    near - i64::from(near as f64 > v)
 }
 
 fn direction(angle: f64) -> [i32; 2] {

@@ -1,6 +1,7 @@
 //! Measuring kernel throughput: the same readings through a backend several times, the median reported.
 //!
 //! What is timed is a run from readings in memory to cells in the backend's memory: snapping, binning, upload, every pass.
+//! The memory of the cells is there from the run before, on the CPU zeroed between the runs.
 //! A cell update is one (reading, cell) pair with the cell's centre inside the cone, counted by the kernels themselves.
 
 use crate::Result;

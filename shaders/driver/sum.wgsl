@@ -1,6 +1,6 @@
 // The sum of each reading's parts, added in tile order to what its share holds; twin of src/kernels/cpu/mod.rs (sums).
 //
-// A thread a reading. Within a tile it adds down the four columns of threads, then across.
+// A thread a reading. Within a tile it adds down the four columns of groups, then across.
 
 @group(0) @binding(5) var<storage, read_write> parts: array<f32>;
 

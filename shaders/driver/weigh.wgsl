@@ -1,4 +1,4 @@
-// Each thread's part of each reading's evidence on its arc; twin of src/kernels/cpu/walk.rs (weigh).
+// Each group of cells' part of each reading's evidence on its arc; twin of src/kernels/cpu/walk.rs (weigh).
 //
 // A kernel of its own because the update needs the whole sum. The threads of a tile never meet: each stores what four
 // cells come to, and sum.wgsl adds them up in one order.

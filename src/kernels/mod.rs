@@ -77,6 +77,11 @@ pub trait Backend: Send {
     /// Hands over the cells of the chunk in this row and column, and forgets them; `None`: nothing reached it.
     fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>>;
 
+    /// Whether it has a use for [`Backend::spare`].
+    fn reuses(&self) -> bool {
+        false
+    }
+
     /// Takes the memory of a chunk that was handed over, zeros again, for another.
     fn spare(&mut self, _zeros: Vec<u32>) {}
 

@@ -150,7 +150,7 @@ pub struct Entry {
     pub wgsl: &'static str,
     /// What an update costs.
     pub cost: Cost,
-    /// How many times four cells a thread owns on a software adapter, a divisor of 64: the most that pays (measured, see
+    /// How many times four cells a thread owns on a software adapter, a power of two up to 16: the most that pays (measured, see
     /// `benches/NOTES.md`). A vector's lanes each read an entry there; on others one time four cells fill the card best.
     pub groups: u32,
     /// Makes it from its parameters, which must be this method's.

@@ -199,13 +199,14 @@ impl<'a> Run<'a> {
             });
             let (finished, chunks) = sync_channel::<(Place, Vec<u32>)>(1);
             let (give_back, zeros) = sync_channel::<Vec<u32>>(1);
+            let reuses = backend.reuses();
             let taker = take.map(|take| {
                 scope.spawn(move || {
                     for (place, words) in chunks {
                         let grid = part(&session.grid, place);
                         let mut cells: Chunks = [([0, 0], words)].into();
                         let finished = layers::from_chunks(&grid, method, &cells);
-                        if let Some((_, mut words)) = cells.pop_first() {
+                        if reuses && let Some((_, mut words)) = cells.pop_first() {
                             words.fill(0);
                             // If the one before is still there, one is enough.
                             let _ = give_back.try_send(words);
@@ -230,10 +231,10 @@ impl<'a> Run<'a> {
                     }
                     progress(numbers.len() as u64);
                     if last && let Some(mut words) = backend.take(place)? {
-                        if !last_round {
+                        if !last_round && reuses {
                             words.fill(0);
                             backend.spare(words);
-                        } else if finished.send((place, words)).is_err() {
+                        } else if last_round && finished.send((place, words)).is_err() {
                             // A taker that failed has the error.
                             break;
                         }

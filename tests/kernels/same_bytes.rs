@@ -57,7 +57,7 @@ fn batches_on_the_gpu() {
 /// However many cells a thread owns: what suits a software adapter, and what a hardware one.
 #[test]
 fn shapes_on_the_gpu() {
-    for groups in [1, 2, 4, 8] {
+    for groups in [1, 2, 3, 8] {
         let Some(mut gpu) = open(Options { groups: Some(groups), ..Options::default() }) else { return };
         for (name, settings) in every_settings() {
             let (method, scene) = (method::make(settings), first(log(settings), 700));
@@ -73,7 +73,7 @@ fn shapes_on_the_gpu() {
 /// Timing the passes names each kind, changes nothing, and ends when it is asked for.
 #[test]
 fn timed_passes() {
-    fn check(backend: &mut dyn Backend) {
+    fn check(backend: &mut dyn Backend, clock: bool) {
         for (name, kinds) in [("certainty", ["fuse", "sum", "weigh"].as_slice()), ("bayes", &["fuse"])] {
             let settings = settings(name);
             let (method, scene) = (method::make(settings), first(log(settings), 900));
@@ -83,13 +83,18 @@ fn timed_passes() {
             let timed = scene.run(method.as_ref(), backend, 300);
             assert_same(&format!("{name}, timed"), &timed, &untimed);
             let times = backend.pass_times();
+            // A card may have no clock.
+            if times.is_empty() && !clock {
+                return;
+            }
             assert_eq!(times.iter().map(|t| t.0).collect::<Vec<_>>(), kinds, "{}", backend.name());
             assert!(times.iter().all(|t| t.1 > 0.0 && t.1 < 60.0), "{times:?}");
         }
     }
-    check(&mut Cpu::new(0).unwrap());
+    check(&mut Cpu::new(0).unwrap(), true);
     if let Some(mut gpu) = gpu() {
-        check(&mut *gpu);
+        let clock = gpu.found().software;
+        check(&mut *gpu, clock);
     }
 }
 

@@ -1,5 +1,4 @@
-//! The CPU's kernels: a tile a task (rayon), a row of 16 cells at a time, one branch-free scalar body under runtime SIMD
-//! dispatch. They follow the WGSL operation by operation, in the same order.
+//! The CPU's kernels: a tile a task (rayon), a row of 16 cells a vector of whatever width the processor has. They follow the WGSL operation by operation, in the same order.
 
 mod gro;
 mod reach;
@@ -38,7 +37,7 @@ fn fresh_chunk(spare: &mut Vec<Vec<u32>>, tile_words: usize) -> Vec<u32> {
 }
 
 impl Cpu {
-    /// With that many threads; 0: one a core.
+    /// With that many threads; 0, or as many as the pool has that this is called in: those of whatever pool it works in.
     pub fn new(threads: usize) -> Result<Cpu> {
         let own = || {
             rayon::ThreadPoolBuilder::new()
@@ -128,6 +127,10 @@ impl Backend for Cpu {
 
     fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>> {
         Ok(self.chunks.remove(&place))
+    }
+
+    fn reuses(&self) -> bool {
+        true
     }
 
     fn spare(&mut self, zeros: Vec<u32>) {

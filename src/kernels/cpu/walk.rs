@@ -140,8 +140,8 @@ fn count_row<S: Simd>(simd: S, region: mask32x16<S>, counts: &mut [u32; TILE]) {
     region.select(count + 1, count).store_array(counts);
 }
 
-/// Sums each reading's evidence on the tile's part of its arc: four cells of a row at a time as the GPU's threads do, down
-/// the columns of threads, then across.
+/// Sums each reading's evidence on the tile's part of its arc: four cells of a row at a time as the GPU does, down the
+/// columns of such groups, then across.
 #[inline(always)]
 fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &Job, state: &[Plane]) {
     let place = Place::of(job);

@@ -30,8 +30,8 @@ pub struct Options {
     pub hardware: bool,
     /// Changes to the kernels' sources, for tests that seed faults.
     pub patches: Vec<Patch>,
-    /// How many times four cells a thread owns, 1 to 16 and a power of two; `None`: what suits the adapter's class. Results
-    /// don't depend on it.
+    /// How many times four cells a thread owns, 1 to 16, rounded up to a power of two; `None`: what suits the adapter's class.
+    /// Results don't depend on it.
     pub groups: Option<u32>,
 }
 
@@ -45,7 +45,7 @@ pub struct Gpu {
     timer: Option<Timer>,
 }
 
-/// A tile's part of a reading's sum: a number a thread.
+/// A tile's part of a reading's sum: a number for each group of four cells.
 const PART_BYTES: usize = 64 * size_of::<f32>();
 
 /// A chunk's buffers for one batch.
@@ -128,38 +128,16 @@ impl Gpu {
         }
         Ok(())
     }
-}
 
-impl Backend for Gpu {
-    fn name(&self) -> &'static str {
-        "gpu"
-    }
-
-    fn adapter(&self) -> String {
-        self.found().to_string()
-    }
-
-    fn ceilings(&mut self) -> Result<Option<crate::kernels::ceiling::Ceilings>> {
-        ceiling::ceilings(&self.device).map(Some)
-    }
-
-    fn limits(&self) -> Limits {
-        let bindable = self.device.bindable();
-        Limits {
-            // Sum takes a thread a reading, 64 in a group.
-            readings: (bindable / size_of::<Cone>()).min(64 * self.found().workgroups as usize),
-            entries: bindable / size_of::<Entry>(),
-            parts: bindable / PART_BYTES,
-        }
-    }
-
-    fn apply(
+    /// [`Backend::apply`], timed or not.
+    fn apply_timed(
         &mut self,
         method: &dyn Method,
         frame: Frame,
         batch: &Batch,
         steps: &[Step],
         shares_so_far: &mut Shares,
+        timer: &mut Option<Timer>,
     ) -> Result<()> {
         self.check(method)?;
         let needs = Needs::of(&batch.cones);
@@ -180,7 +158,6 @@ impl Backend for Gpu {
         shares_so_far.resize(batch.cones.len(), [0; 4]);
         let buffers = self.upload(batch, steps.contains(&Step::Sum), shares_so_far);
         let mut encoder = self.device.encoder();
-        let mut timer = self.timer.take();
         let mut record = |encoder: &mut _, kernel: Kernel, frame: Frame, chunk: &ChunkBuffers, groups| {
             let Some(state) = self.chunks.get(&chunk.place) else { return };
             let frame = self.device.buffer("frame", &[frame], Usage::UNIFORM);
@@ -221,14 +198,51 @@ impl Backend for Gpu {
             }
         }
         let submitted = self.device.submit(&mut encoder);
-        if let Some(timer) = &mut timer {
+        if let Some(timer) = timer {
             timer.read(&self.device)?;
         }
-        self.timer = timer;
         if let Some(before) = self.pending.replace(submitted) {
             self.device.wait(Some(before))?;
         }
         self.healthy()
+    }
+}
+
+impl Backend for Gpu {
+    fn name(&self) -> &'static str {
+        "gpu"
+    }
+
+    fn adapter(&self) -> String {
+        self.found().to_string()
+    }
+
+    fn ceilings(&mut self) -> Result<Option<crate::kernels::ceiling::Ceilings>> {
+        ceiling::ceilings(&self.device).map(Some)
+    }
+
+    fn limits(&self) -> Limits {
+        let bindable = self.device.bindable();
+        Limits {
+            // Sum takes a thread a reading, 64 in a group.
+            readings: (bindable / size_of::<Cone>()).min(64 * self.found().workgroups as usize),
+            entries: bindable / size_of::<Entry>(),
+            parts: bindable / PART_BYTES,
+        }
+    }
+
+    fn apply(
+        &mut self,
+        method: &dyn Method,
+        frame: Frame,
+        batch: &Batch,
+        steps: &[Step],
+        shares_so_far: &mut Shares,
+    ) -> Result<()> {
+        let mut timer = self.timer.take();
+        let done = self.apply_timed(method, frame, batch, steps, shares_so_far, &mut timer);
+        self.timer = timer;
+        done
     }
 
     fn time_passes(&mut self) {

@@ -76,7 +76,7 @@ impl Passes {
             (true, true) => 2,
             (true, false) => method::entry(method).map_or(1, |e| e.groups),
         };
-        self.options.groups.unwrap_or_else(suits)
+        self.options.groups.unwrap_or_else(suits).clamp(1, 16).next_power_of_two()
     }
 
     /// Makes a pipeline that is not there yet.

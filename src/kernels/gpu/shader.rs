@@ -49,7 +49,7 @@ impl Kernel {
 }
 
 /// The whole WGSL of a method's kernel; `wide`: for batches with readings that reach farther than 1024 cells; `groups`: how
-/// many times four cells a thread owns, a divisor of 64.
+/// many times four cells a thread owns, 1 to 16 and a power of two.
 pub fn source(method: &dyn Method, kernel: Kernel, wide: bool, groups: u32) -> String {
     let reach = if wide { WIDE } else { NARROW };
     let half = method::REGISTRY.iter().find(|e| e.name == method::name(method)).map_or("", |e| e.wgsl);

@@ -15,6 +15,8 @@ pub struct Timer {
     resolved: wgpu::Buffer,
     /// The passes whose stamps are under way.
     passes: Vec<&'static str>,
+    /// More passes came than fit: the sums would be too small.
+    overrun: bool,
     seconds: BTreeMap<&'static str, f64>,
 }
 
@@ -34,14 +36,16 @@ impl Timer {
                 mapped_at_creation: false,
             }),
             passes: Vec::new(),
+            overrun: false,
             seconds: BTreeMap::new(),
         })
     }
 
-    /// Where a pass stamps its begin and its end; passes beyond what fits go unstamped.
+    /// Where a pass stamps its begin and its end.
     pub fn writes(&mut self, pass: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let first = 2 * self.passes.len() as u32;
         if first >= 2 * MOST {
+            self.overrun = true;
             return None;
         }
         self.passes.push(pass);
@@ -70,8 +74,8 @@ impl Timer {
         Ok(())
     }
 
-    /// Seconds of each kind of pass, by name.
+    /// Seconds of each kind of pass, by name; none if some went unstamped.
     pub fn seconds(self) -> Vec<(&'static str, f64)> {
-        self.seconds.into_iter().collect()
+        if self.overrun { Vec::new() } else { self.seconds.into_iter().collect() }
     }
 }
