@@ -52,7 +52,7 @@ fn angle(w: vec4<f32>) -> vec4<f32> {
     return (w * -0.33332935 + 1.0) + w2 * ((w * -0.13870692 + 0.19977112) + w2 * 0.080295846);
 }
 
-// θ / tan(θ/2) from w = tan²(θ/2), θ ≤ 60°.
+// θ / tan(θ/2) from w = tan²(θ/2), θ ≤ 60°; far behind a beam it leaves f32's range, where no cell is a member.
 fn half_angle(w: vec4<f32>) -> vec4<f32> {
     let w2 = w * w;
     let low = (w * -0.66666585 + 2.0) + w2 * (w * -0.28493902 + 0.39995855);

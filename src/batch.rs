@@ -145,16 +145,12 @@ impl Binning {
                 pairs.push((slot, Entry { cone: cone.index << ENTRY_SHIFT | flags, slot: run.parts }));
                 run.parts += u32::from(arc);
             };
-            if cone.flags & WIDE != 0 {
-                self.tiles_in(cone, &shape, place, &mut push);
-                continue;
-            }
             let [rows, columns] = self.within(self.spans(cone, &shape), place);
             let edge = (TILE as i64) * i64::from(CELL);
             let count = (columns.end - columns.start).max(0) as usize;
             let at = edge * columns.start - i64::from(cone.sensor[0]);
             // A cone of a usual size lies in 16 columns.
-            if count > TILES {
+            if cone.flags & WIDE != 0 || count > TILES {
                 self.tiles_in(cone, &shape, place, &mut push);
                 continue;
             }

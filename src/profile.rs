@@ -67,7 +67,7 @@ fn angle<S: Simd>(w: f32x16<S>) -> f32x16<S> {
     (w * TURN[1] + TURN[0]) + w2 * ((w * TURN[3] + TURN[2]) + w2 * TURN[4])
 }
 
-/// θ / tan(θ/2) from w = tan²(θ/2), θ ≤ 60°.
+/// θ / tan(θ/2) from w = tan²(θ/2), θ ≤ 60°; far behind a beam it leaves f32's range, where no cell is a member.
 #[inline(always)]
 fn half_angle<S: Simd>(w: f32x16<S>) -> f32x16<S> {
     let w2 = w * w;

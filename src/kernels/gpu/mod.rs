@@ -128,16 +128,38 @@ impl Gpu {
         }
         Ok(())
     }
+}
 
-    /// [`Backend::apply`], timed or not.
-    fn apply_timed(
+impl Backend for Gpu {
+    fn name(&self) -> &'static str {
+        "gpu"
+    }
+
+    fn adapter(&self) -> String {
+        self.found().to_string()
+    }
+
+    fn ceilings(&mut self) -> Result<Option<crate::kernels::ceiling::Ceilings>> {
+        ceiling::ceilings(&self.device).map(Some)
+    }
+
+    fn limits(&self) -> Limits {
+        let bindable = self.device.bindable();
+        Limits {
+            // Sum takes a thread a reading, 64 in a group.
+            readings: (bindable / size_of::<Cone>()).min(64 * self.found().workgroups as usize),
+            entries: bindable / size_of::<Entry>(),
+            parts: bindable / PART_BYTES,
+        }
+    }
+
+    fn apply(
         &mut self,
         method: &dyn Method,
         frame: Frame,
         batch: &Batch,
         steps: &[Step],
         shares_so_far: &mut Shares,
-        timer: &mut Option<Timer>,
     ) -> Result<()> {
         self.check(method)?;
         let needs = Needs::of(&batch.cones);
@@ -163,7 +185,7 @@ impl Gpu {
             let frame = self.device.buffer("frame", &[frame], Usage::UNIFORM);
             let b = &buffers;
             let bound = [&frame, &b.cones, &chunk.tiles, &chunk.entries, state, &b.parts, &b.shares, &b.first_part];
-            let stamps = timer.as_mut().and_then(|t| t.writes(kernel.name()));
+            let stamps = self.timer.as_mut().and_then(|t| t.writes(kernel.name()));
             self.passes.record(&self.device, encoder, key(method, kernel, needs), bound, groups, stamps);
         };
         for step in steps {
@@ -198,51 +220,13 @@ impl Gpu {
             }
         }
         let submitted = self.device.submit(&mut encoder);
-        if let Some(timer) = timer {
+        if let Some(timer) = &mut self.timer {
             timer.read(&self.device)?;
         }
         if let Some(before) = self.pending.replace(submitted) {
             self.device.wait(Some(before))?;
         }
         self.healthy()
-    }
-}
-
-impl Backend for Gpu {
-    fn name(&self) -> &'static str {
-        "gpu"
-    }
-
-    fn adapter(&self) -> String {
-        self.found().to_string()
-    }
-
-    fn ceilings(&mut self) -> Result<Option<crate::kernels::ceiling::Ceilings>> {
-        ceiling::ceilings(&self.device).map(Some)
-    }
-
-    fn limits(&self) -> Limits {
-        let bindable = self.device.bindable();
-        Limits {
-            // Sum takes a thread a reading, 64 in a group.
-            readings: (bindable / size_of::<Cone>()).min(64 * self.found().workgroups as usize),
-            entries: bindable / size_of::<Entry>(),
-            parts: bindable / PART_BYTES,
-        }
-    }
-
-    fn apply(
-        &mut self,
-        method: &dyn Method,
-        frame: Frame,
-        batch: &Batch,
-        steps: &[Step],
-        shares_so_far: &mut Shares,
-    ) -> Result<()> {
-        let mut timer = self.timer.take();
-        let done = self.apply_timed(method, frame, batch, steps, shares_so_far, &mut timer);
-        self.timer = timer;
-        done
     }
 
     fn time_passes(&mut self) {
