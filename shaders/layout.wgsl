@@ -14,6 +14,11 @@ const ARC: u32 = 1u;
 const INSIDE: u32 = 2u;
 const ENTRY_SHIFT: u32 = 2u;
 
+const UNIT: i32 = 33554432;
+const IDLE: u32 = 256u;
+const YIELD: u32 = 512u;
+const BEAM_SHIFT: u32 = 16u;
+
 const FREE: u32 = 1u;
 const OCCUPY: u32 = 2u;
 const COUNT: u32 = 4u;
@@ -23,6 +28,7 @@ struct Frame {
     mode: u32,
     scale: f32,
     constants: array<vec4<f32>, 2>,
+    limits: vec4<i32>,
 }
 
 struct Cone {
@@ -44,19 +50,22 @@ struct Tile {
     spare: array<u32, 3>,
 }
 
+struct Scan {
+    pose: vec2<i32>,
+    first: u32,
+    count: u32,
+    number: u32,
+    pad: array<u32, 3>,
+}
+
+struct Beam {
+    bound: vec2<i32>,
+    ray: array<vec2<i32>, 2>,
+    range: i32,
+    id: u32,
+}
+
 struct Entry {
     cone: u32,
     slot: u32,
 }
-
-@group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> cones: array<Cone>;
-@group(0) @binding(2) var<storage, read> tiles: array<Tile>;
-@group(0) @binding(3) var<storage, read> entries: array<Entry>;
-// A chunk's cells, tile by tile, plane by plane, four cells of a row in a vector.
-@group(0) @binding(4) var<storage, read_write> state: array<vec4<u32>>;
-// Binding 5 is the drivers': parts of the sums over each reading's arc, or its counts.
-// What a pass hands to the next, for each reading.
-@group(0) @binding(6) var<storage, read_write> shares: array<vec4<u32>>;
-// Where each reading's parts begin.
-@group(0) @binding(7) var<storage, read> first_part: array<u32>;

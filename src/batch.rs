@@ -37,6 +37,12 @@ pub struct Batch {
     pub chunks: Vec<ChunkList>,
     /// Where each reading's parts begin; one more than there are readings.
     pub first_part: Vec<u32>,
+    /// For a method that takes scans those instead of cones, of one chunk, in log order.
+    pub scans: Vec<Scan>,
+    /// Their beams.
+    pub beams: Vec<Beam>,
+    /// The centres of that chunk's columns, then of its rows, µm from the first cell's.
+    pub centres: Vec<i32>,
 }
 
 /// How readings are binned.
@@ -108,7 +114,7 @@ impl Binning {
         }
         first_part.push(before);
         let chunks = places.into_par_iter().map(|([row, column], pairs)| list([column, row], &pairs)).collect();
-        Batch { chunks, cones, first_part }
+        Batch { chunks, cones, first_part, ..Batch::default() }
     }
 
     /// What some readings reach.

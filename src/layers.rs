@@ -4,7 +4,7 @@ use crate::grid::{Class, Data, GridSpec, Layer, Map, Scale};
 use crate::kernels::Chunks;
 use crate::layout::{CHUNK, TILE, TILE_CELLS};
 use crate::mapper::{Finished, Visits};
-use crate::method::{self, Method};
+use crate::method::{self, Method, Unit};
 use crate::oracle::OracleMap;
 
 /// Layers under way: every cell untouched.
@@ -16,6 +16,7 @@ struct Layers<'a> {
     touched: Vec<u8>,
     class: Vec<i8>,
     visits: Visits,
+    increments: Vec<f64>,
 }
 
 impl<'a> Layers<'a> {
@@ -28,23 +29,31 @@ impl<'a> Layers<'a> {
             combined: vec![0.0; cells],
             touched: vec![0; cells],
             class: vec![0; cells],
-            visits: Visits { interior: vec![0; cells], arc: vec![0; cells] },
+            increments: Vec::new(),
+            visits: Visits {
+                interior: vec![0; cells],
+                arc: vec![0; cells],
+                marks: vec![0; if method.marks().is_some() { cells } else { 0 }],
+            },
         }
     }
 
     /// Sets a touched cell.
-    fn set(&mut self, k: usize, visits: [u32; 2], values: &[f32], class: Class) {
+    fn set(&mut self, k: usize, [interior, arc, mark]: [u32; 3], values: &[f32], class: Class) {
         self.touched[k] = 1;
         self.class[k] = class as i8;
         self.combined[k] = self.method.combined(values, class);
-        (self.visits.interior[k], self.visits.arc[k]) = (visits[0], visits[1]);
+        (self.visits.interior[k], self.visits.arc[k]) = (interior, arc);
+        if let Some(marks) = self.visits.marks.get_mut(k) {
+            *marks = mark;
+        }
         for (layer, value) in self.values.iter_mut().zip(values) {
             layer[k] = *value;
         }
     }
 
     fn finish(self) -> Finished {
-        let visits = self.visits;
+        let (visits, increments) = (self.visits, self.increments);
         let updates = visits.interior.iter().chain(&visits.arc).map(|n| u64::from(*n)).sum();
         let data = |integer: bool, values: Vec<f32>| match integer {
             true => Data::U32(values.iter().map(|v| *v as u32).collect()),
@@ -56,7 +65,7 @@ impl<'a> Layers<'a> {
         layers.extend(touched_and_class(self.touched, self.class));
         let combined = "-1 surely empty to 1 surely occupied";
         Finished {
-            map: Map { grid: *self.grid, method: method::name(self.method).into(), layers, updates },
+            map: Map { grid: *self.grid, method: method::name(self.method).into(), layers, updates, increments },
             combined: layer("combined", combined, Data::F32(self.combined), 0.0, SIGNED),
             visits,
         }
@@ -89,7 +98,13 @@ pub fn heads(method: &dyn Method) -> (Vec<Layer>, Layer) {
 /// The map of classes alone, such as a world's true map; a cell of known class counts as touched.
 pub fn of_classes(grid: GridSpec, method: &str, class: Vec<i8>) -> Map {
     let touched = class.iter().map(|c| u8::from(*c != 0)).collect();
-    Map { grid, method: method.into(), layers: touched_and_class(touched, class).into(), updates: 0 }
+    Map {
+        grid,
+        method: method.into(),
+        layers: touched_and_class(touched, class).into(),
+        updates: 0,
+        increments: Vec::new(),
+    }
 }
 
 /// The map of a kernel's chunks.
@@ -97,6 +112,7 @@ pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Fin
     let mut layers = Layers::new(grid, method);
     let mut cell = vec![0u32; method::planes(method)];
     let mut values = vec![0f32; method.layers().len()];
+    let faint = method.unit() == Unit::Scan;
     for (place, state) in chunks {
         for (slot, tile) in state.chunks_exact(method::tile_words(method)).enumerate() {
             let x0 = (place[1] as usize * CHUNK + slot % CHUNK) * TILE;
@@ -104,19 +120,30 @@ pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Fin
             for y in y0..(y0 + TILE).min(grid.height) {
                 for x in x0..(x0 + TILE).min(grid.width) {
                     let at = (y - y0) * TILE + x - x0;
-                    if tile[at] + tile[TILE_CELLS + at] == 0 {
+                    if tile[at] + tile[TILE_CELLS + at] == 0 && !faint {
                         continue;
                     }
                     for (p, word) in cell.iter_mut().enumerate() {
                         *word = tile[p * TILE_CELLS + at];
                     }
+                    if faint && !method.touched(&cell) {
+                        continue;
+                    }
+                    method.gains(&cell, &mut layers.increments);
                     let class = method.values(&cell, &mut values);
-                    layers.set(y * grid.width + x, [cell[0], cell[1]], &values, class);
+                    let mark = method.marks().map_or(0, |plane| cell[2 + plane]);
+                    layers.set(y * grid.width + x, [cell[0], cell[1], mark], &values, class);
                 }
             }
         }
     }
     layers.finish()
+}
+
+/// Adds numbers to sums, one by one.
+pub(crate) fn add(numbers: &[f64], sums: &mut Vec<f64>) {
+    sums.resize(numbers.len().max(sums.len()), 0.0);
+    sums.iter_mut().zip(numbers).for_each(|(sum, n)| *sum += n);
 }
 
 /// The map of the oracle's values.
@@ -130,7 +157,10 @@ pub fn from_oracle(oracle: &OracleMap, method: &dyn Method) -> Finished {
                 0 => Class::Unknown,
                 _ => Class::Empty,
             };
-            layers.set(k, [oracle.interior[k], oracle.arc[k]], &values, class);
+            let gains = oracle.gains.get(k).map_or(&[][..], |g| g);
+            add(gains, &mut layers.increments);
+            let mark = oracle.marks.get(k).copied().unwrap_or(0);
+            layers.set(k, [oracle.interior[k], oracle.arc[k], mark], &values, class);
         }
     }
     layers.finish()

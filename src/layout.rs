@@ -34,6 +34,15 @@ pub const INSIDE: u32 = 2;
 /// Bits of an entry below the cone's index.
 pub const ENTRY_SHIFT: u32 = 2;
 
+/// Length of a beam's direction.
+pub const UNIT: i32 = 1 << 25;
+/// Beam flag: nothing came back, or from too far: it may be the nearest, and then does nothing.
+pub const IDLE: u32 = 256;
+/// Beam flag: a cell on its bound belongs to the next beam.
+pub const YIELD: u32 = 512;
+/// Bits of a beam's id below its place in the scan.
+pub const BEAM_SHIFT: u32 = 16;
+
 /// Frame mode: the pass frees (updates emptiness).
 pub const FREE: u32 = 1;
 /// Frame mode: the pass occupies.
@@ -53,6 +62,8 @@ pub struct Frame {
     pub scale: f32,
     /// The method's own numbers.
     pub constants: [[f32; 4]; 2],
+    /// The method's own lengths, µm.
+    pub limits: [i32; 4],
 }
 
 /// A reading's snapped cone and the numbers of its profile.
@@ -93,13 +104,44 @@ pub struct Tile {
     pub spare: [u32; 3],
 }
 
-/// A cone in a tile's list.
+/// A scan, for the methods that take scans: where it was taken, and its beams.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct Scan {
+    /// Its pose, µm from the centre of the chunk's first cell.
+    pub pose: [i32; 2],
+    /// Its first beam in the batch.
+    pub first: u32,
+    /// How many beams it has.
+    pub count: u32,
+    /// Its number in the log.
+    pub number: u32,
+    /// Spare.
+    pub pad: [u32; 3],
+}
+
+/// A beam of a scan, whose beams lie in the order of their bounds' bearings from +x.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct Beam {
+    /// Direction of the bound to the next beam: what lies on its other side is nearer to that one.
+    pub bound: [i32; 2],
+    /// Discrete: the gate's right and left edge; continuous: the direction, of length [`UNIT`], and the hit from the pose, µm.
+    pub ray: [[i32; 2]; 2],
+    /// The hit's range, µm.
+    pub range: i32,
+    /// The class label in the low 8 bits, 0 for none; [`IDLE`], [`YIELD`]; from [`BEAM_SHIFT`] on its place in the scan.
+    pub id: u32,
+}
+
+/// A cone, or a scan, in a tile's list.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 pub struct Entry {
-    /// The cone's index, shifted by [`ENTRY_SHIFT`], and [`ARC`], [`INSIDE`].
+    /// The cone's, or the scan's, index, shifted by [`ENTRY_SHIFT`], and [`ARC`], [`INSIDE`].
     pub cone: u32,
-    /// Where this tile's share of the cone's arc is summed.
+    /// Where this tile's share of the cone's arc is summed; of a scan the first and, in the upper half, the last bound whose
+    /// place among its bounds a cell of the tile may have.
     pub slot: u32,
 }
 

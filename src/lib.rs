@@ -7,6 +7,8 @@ pub mod sensor;
 pub mod log;
 pub mod reading;
 pub mod wedge;
+pub mod classes;
+pub mod scan;
 pub mod snap;
 pub mod batch;
 pub mod layout;

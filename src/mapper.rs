@@ -163,6 +163,7 @@ pub(crate) fn frame(grid: &GridSpec, method: &dyn Method) -> Frame {
         mode: 0,
         scale: (grid.resolution / f64::from(CELL)) as f32,
         constants: method.constants(),
+        limits: method.limits(grid.resolution),
     }
 }
 
@@ -248,4 +249,6 @@ pub struct Visits {
     pub interior: Vec<u32>,
     /// On an arc.
     pub arc: Vec<u32>,
+    /// Sums of marks of what the cell took ([`Method::marks`]); empty where the method has none.
+    pub marks: Vec<u32>,
 }

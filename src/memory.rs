@@ -3,7 +3,7 @@
 use crate::grid::GridSpec;
 use crate::layout::{CHUNK, TILE};
 use crate::mapper::PAIRS;
-use crate::method::{self, Method};
+use crate::method::{self, Method, Unit};
 use crate::{Error, Result};
 
 /// A size in bytes from its text: a number with KiB, MiB, GiB, TiB, kB, MB, GB, TB or B.
@@ -62,15 +62,17 @@ pub fn needed(grid: &GridSpec, method: &dyn Method, batch: usize) -> u64 {
 }
 
 /// What the whole-log way takes, bytes, apart from the readings that it may spill: three chunks of cells on their way and a spare one, with
-/// their layers and one that is written; batches on both sides of a kernel; what it found for each reading; the pictures.
-pub fn whole(grid: &GridSpec, method: &dyn Method, batch: usize, readings: u64) -> u64 {
+/// their layers and one that is written; batches on both sides of a kernel; what it found for each reading; scans' poses; the pictures.
+pub fn whole(grid: &GridSpec, method: &dyn Method, batch: usize, readings: u64, scans: u64) -> u64 {
     let edge = TILE * CHUNK;
     let cells = (grid.width.min(edge) * grid.height.min(edge)) as u64;
     let words = (method::tile_words(method) * CHUNK * CHUNK * 4) as u64;
     let layers = cells * (4 * (method.layers().len() as u64 + 1) + 8 + 2 + 4);
     let batch = batch.min(usize::try_from(readings).unwrap_or(usize::MAX));
     let found = if method.rounds().is_some_and(|r| r.len() > 1) { 4 * readings } else { 0 };
-    4 * words + 3 * layers + 3 * batched(batch) + found + (1 << 24)
+    // A pose, how far its beams reach, where they lie, its place in the tree.
+    let poses = if method.unit() == Unit::Scan { 128 * scans } else { 0 };
+    4 * words + 3 * layers + 3 * batched(batch) + found + poses + (1 << 24)
 }
 
 /// Readings at a time in the whole-log way: no more than `batch`, and so few that batches take a third of `limit`.

@@ -1,20 +1,23 @@
 //! A log, a method and a grid, checked before the long run; the readings to map, as often as a method sweeps over them.
 
-use crate::grid::GridSpec;
+use crate::classes::Classes;
+use crate::grid::{GridSpec, Palette};
 use crate::kernels::Backend;
 use crate::layers;
 use crate::log::{self, Log, Problem};
 use crate::mapper::{Finished, Item, Mapper, Work};
 use crate::memory;
-use crate::method::settings::Settings;
+use crate::method::settings::{Csm, Settings};
 use crate::method::{self, Method};
 use crate::oracle::{self, OracleMap};
 use crate::output::BadLines;
 use crate::reading::{Counts, Reading, Record, judge};
+use crate::scan::{Scan, Scans};
 use crate::sensor::{Kind, Overrides, Sensor};
 use crate::snap::Edges;
 use crate::survey::{Survey, survey};
 use crate::wedge;
+use crate::whole::Scanned;
 use crate::{Error, Result};
 use std::collections::VecDeque;
 
@@ -46,6 +49,8 @@ pub struct Session {
     pub grid: GridSpec,
     /// What a first pass over the log found.
     pub survey: Survey,
+    /// The class labels, where the method tells them apart.
+    pub classes: Option<Classes>,
     until: u64,
     bounded: bool,
 }
@@ -100,8 +105,12 @@ impl Session {
             Some(grid) => grid,
             None => GridSpec::around(survey.covered, request.resolution).map_err(|e| survey.explain(e, path))?,
         };
-        let method = method::make(request.settings);
-        Ok(Session { log, sensors, method, grid, survey, until, bounded: given.is_some() })
+        let (mut settings, mut classes) = (request.settings, None);
+        if let Settings::Csm(csm) = &mut settings {
+            classes = prepare(csm, request, &log, &survey)?;
+        }
+        let method = method::make(settings);
+        Ok(Session { log, sensors, method, grid, survey, classes, until, bounded: given.is_some() })
     }
 
     /// The log's sensors, with the method's limits.
@@ -124,6 +133,17 @@ impl Session {
     /// An error about a grid that is too large, with the pose that made it so, if it follows the poses.
     pub fn explain(&self, error: Error) -> Error {
         if self.bounded { error } else { self.survey.explain(error, self.log.path()) }
+    }
+
+    /// The scans to map, in log order, for a method that takes them.
+    pub fn scans(&self) -> Result<impl Iterator<Item = Result<Scan>> + '_> {
+        let records = self.log.records()?.filter_map(|record| match record {
+            Ok(record) => Some(Ok(record)),
+            Err(Problem::Fatal(e)) => Some(Err(e)),
+            Err(Problem::Line(_)) => None,
+        });
+        let labels = self.classes.as_ref().map_or(0, Classes::count);
+        Ok(Scans::new(records, self.sensors(), labels, self.until, self.log.path()))
     }
 
     /// The readings to map, in log order, bad lines and unused records left out.
@@ -158,6 +178,14 @@ impl Session {
         batch: usize,
         progress: &dyn Fn(u64),
     ) -> Result<Mapped> {
+        if let Settings::Csm(csm) = self.method.settings() {
+            let here = (std::env::temp_dir(), u64::MAX);
+            let scanned = Scanned::read(&self.grid, csm, self.scans()?, (&here.0, here.1), &|_| {})?;
+            let work = scanned.apply(self.method.as_ref(), backend, batch, progress)?;
+            let finished =
+                layers::from_chunks(&self.grid, self.method.as_ref(), &backend.finish(self.method.as_ref())?);
+            return Ok(Mapped { finished, counts: self.survey.counts, work });
+        }
         let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch);
         for sweep in 0..self.method.sweeps().len() {
             mapper.sweep(sweep, self.items()?.take(count).inspect(|_| progress(1)))?;
@@ -168,8 +196,12 @@ impl Session {
         Ok(Mapped { finished, counts: Counts { outside, empty_arc, wide, ..self.survey.counts }, work })
     }
 
-    /// Maps the log by the f64 oracle, one reading at a time.
+    /// Maps the log by the f64 oracle, one reading, or scan, at a time.
     pub fn oracle(&self) -> Result<OracleMap> {
+        if let Settings::Csm(csm) = self.method.settings() {
+            let scans: Vec<Scan> = self.scans()?.collect::<Result<_>>()?;
+            return Ok(oracle::map_scans(&self.grid, &scans, &csm));
+        }
         let (readings, wedges) = self.all()?;
         oracle::map(&self.grid, self.sensors(), &readings, &self.method.settings(), wedges.as_deref())
     }
@@ -182,7 +214,45 @@ impl Session {
     }
 }
 
-/// What to say of a log none of whose readings can be mapped.
+/// Gives a counting sensor model what it needs of the log: its class labels, the size of its cells.
+fn prepare(csm: &mut Csm, request: &Request, log: &Log, survey: &Survey) -> Result<Option<Classes>> {
+    let (path, resolution) = (log.path(), request.resolution);
+    if resolution > LARGEST_CELL {
+        let what = format!("the counting sensor models take cells of at most {LARGEST_CELL} m, not {resolution} m");
+        return Err(Error::Usage(what));
+    }
+    if !csm.continuous && csm.w_obstacle.is_none() {
+        csm.w_obstacle = Some(2.0 * resolution);
+    }
+    if !csm.semantic {
+        return Ok(None);
+    }
+    let names = &log.header().classes;
+    let classes = match &request.log.classes {
+        Some(file) => Some(Classes::open(file)?),
+        None => Classes::named(names)
+            .map(|named| Classes::rooms().ok().filter(|r| r.names[..r.count()] == **names).unwrap_or(named)),
+    };
+    let plain = "map it with csm-discrete or csm-continuous, which need none";
+    match (classes, survey.labelled) {
+        (_, 0) => Err(Error::input(path, format!("none of its {} hits carries a class label: {plain}", survey.hits))),
+        (None, n) if names.is_empty() => Err(Error::input(
+            path,
+            format!(
+                "{n} hits carry class labels, but nothing says what they are: name the classes with --classes, or {plain}"
+            ),
+        )),
+        (None, _) => Err(Error::input(path, format!("{} classes, more than {}: {plain}", names.len(), Palette::MOST))),
+        (Some(classes), _) => {
+            csm.palette = classes.palette;
+            Ok(Some(classes))
+        }
+    }
+}
+
+/// Edge of a cell, metres, at most: a chunk's µm must fit 32 bits.
+const LARGEST_CELL: f64 = 2.0;
+
 /// The laser truth trusts 5 cm to 20 m, and no more than the sensor does; what the user sets stays.
 fn limit(sensor: &mut Sensor, set: &Overrides) {
     if set.r_min.is_none() {
@@ -196,6 +266,7 @@ fn limit(sensor: &mut Sensor, set: &Overrides) {
     }
 }
 
+/// What to say of a log none of whose readings can be mapped.
 fn nothing_to_map(counts: &Counts, bad: &BadLines) -> String {
     let r = counts.rejected;
     let reasons = [

@@ -2,7 +2,7 @@
 
 use crate::log::{Log, Problem};
 use crate::output::BadLines;
-use crate::reading::{Counts, Pose, judge};
+use crate::reading::{Counts, Outcome, Pose, judge};
 use crate::sensor::Sensor;
 use crate::{Error, Result};
 use std::path::Path;
@@ -18,6 +18,10 @@ const SUSPICIOUS: f64 = 100.0;
 pub struct Survey {
     /// What its records are worth (those of the first `until` used readings).
     pub counts: Counts,
+    /// Used hits that carry a class label.
+    pub labelled: u64,
+    /// Used hits.
+    pub hits: u64,
     /// Scans with a used reading.
     pub scans: u64,
     /// x0, y0, x1, y1: every used reading's sensor ± (R + ε), metres.
@@ -37,6 +41,8 @@ pub struct Survey {
 pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64) -> Result<Survey> {
     let mut survey = Survey {
         counts: Counts::default(),
+        labelled: 0,
+        hits: 0,
         scans: 0,
         covered: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
         bad_lines: BadLines::default(),
@@ -62,6 +68,9 @@ pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64) -> Res
         let judged = judge(record, sensor);
         survey.counts.add(&judged);
         let Ok(reading) = judged else { continue };
+        let hit = reading.outcome == Outcome::Hit;
+        survey.hits += u64::from(hit);
+        survey.labelled += u64::from(hit && record.label.is_some());
         if scan != Some(record.scan) {
             scan = Some(record.scan);
             survey.scans += 1;

@@ -5,11 +5,16 @@
 //! A cell update is one (reading, cell) pair with the cell's centre inside the cone, counted by the kernels themselves.
 
 use crate::Result;
+use crate::grid::Map;
 use crate::kernels::Backend;
 use crate::kernels::ceiling::Ceilings;
-use crate::layout::{Cone, Entry};
-use crate::mapper::Mapper;
+use crate::layers;
+use crate::layout::{Beam, Cone, Entry, Scan};
+use crate::mapper::{Mapper, Work};
+use crate::method::settings::{Csm, Settings};
 use crate::method::{Method, Step, tile_words};
+use crate::scan::Scans;
+use crate::whole::Scanned;
 use crate::workload::Workload;
 use serde::Serialize;
 use std::time::Instant;
@@ -82,6 +87,23 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
             backend.time_passes();
         }
         let started = Instant::now();
+        if let Settings::Csm(csm) = method.settings() {
+            let work = count_scans(workload, csm, method, backend)?;
+            backend.wait()?;
+            let took = started.elapsed().as_secs_f64();
+            let map = take(workload, method, backend)?;
+            updates = map.updates;
+            moved = work.entries * (size_of::<Entry>() + size_of::<Scan>()) as u64
+                + updates * size_of::<Beam>() as u64
+                + work.tiles * 8 * tile_words(method) as u64;
+            if run == last {
+                passes = backend.pass_times().into_iter().map(|(name, s)| (name.to_string(), s)).collect();
+            } else if run > 0 {
+                seconds.push(took);
+                binning.push(work.binning_us as f64 * 1e-6);
+            }
+            continue;
+        }
         let mut mapper =
             Mapper::new(workload.grid, &workload.sensors, method, backend, crate::mapper::BATCH).without_counts();
         for sweep in 0..method.sweeps().len() {
@@ -119,6 +141,29 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
         seconds,
         median,
     })
+}
+
+/// A workload's scans from memory to cells.
+fn count_scans(workload: &Workload, csm: Csm, method: &dyn Method, backend: &mut dyn Backend) -> Result<Work> {
+    let records = workload.readings.iter().map(|r| Ok(r.record));
+    let labels = if csm.semantic { csm.labels() } else { 0 };
+    let scans = Scans::new(records, &workload.sensors, labels, u64::MAX, std::path::Path::new(&workload.name));
+    let here = (std::env::temp_dir(), u64::MAX);
+    let scanned = Scanned::read(&workload.grid, csm, scans, (&here.0, here.1), &|_| {})?;
+    scanned.apply(method, backend, crate::mapper::BATCH, &|_| {})
+}
+
+/// The cells as a map; a backend that uses memory again gets it back.
+fn take(workload: &Workload, method: &dyn Method, backend: &mut dyn Backend) -> Result<Map> {
+    let mut chunks = backend.finish(method)?;
+    let map = layers::from_chunks(&workload.grid, method, &chunks).map;
+    while backend.reuses()
+        && let Some((_, mut words)) = chunks.pop_first()
+    {
+        words.fill(0);
+        backend.spare(words);
+    }
+    Ok(map)
 }
 
 /// The middle of the values, or of the two in the middle the mean.

@@ -5,6 +5,7 @@
 
 use crate::Result;
 use crate::mapper::Finished;
+use crate::method::Unit;
 use crate::oracle::{OracleMap, cells_of};
 use crate::reading::Reading;
 use crate::session::Session;
@@ -130,7 +131,10 @@ pub fn check(
         let last_readings = last_readings(session, &readings, column, row)?;
         Ok(Cell { column, row, x, y, oracle, value, difference: apart(oracle, value), bound, last_readings })
     };
-    let differs = |k: &usize| visits.interior[*k] != oracle.interior[*k] || visits.arc[*k] != oracle.arc[*k];
+    let differs = |k: &usize| {
+        let marks = visits.marks.get(*k) != oracle.marks.get(*k);
+        visits.interior[*k] != oracle.interior[*k] || visits.arc[*k] != oracle.arc[*k] || marks
+    };
     let members: Vec<usize> = (0..oracle.grid.cells()).filter(differs).collect();
     let total = |interior: u32, arc: u32| f64::from(interior) + f64::from(arc);
     let membership_cell = members
@@ -213,6 +217,10 @@ fn last_readings(
     row: usize,
 ) -> Result<Vec<LastReading>> {
     const LAST: usize = 3;
+    // Which beams speak of a cell is decided among all scans, not reading by reading.
+    if session.method.unit() == Unit::Scan {
+        return Ok(Vec::new());
+    }
     let (x, y) = session.grid.centre(column, row);
     let mut last = Vec::new();
     for (k, reading) in readings.iter().enumerate().rev() {

@@ -61,3 +61,58 @@ pub fn standard(count: usize) -> Vec<Workload> {
         .map(|&(range, resolution)| cones(count, width, range, resolution, 1024, 1))
         .collect()
 }
+
+/// Beams of a synthetic laser scan, over half a circle.
+const BEAMS: usize = 180;
+
+/// Laser scans of 180 beams of 1 to 8 m, with class labels 1 to 6, along a walk of 10 cm a step over a square map: as many as
+/// come to `count` readings, one at least. `resolution` is metres; the map's edge is `cells`.
+pub fn scans(count: usize, resolution: f64, cells: usize, seed: u64) -> Workload {
+    let mut random = Random::new(seed);
+    let edge = cells as f64 * resolution;
+    let step = std::f64::consts::PI / BEAMS as f64;
+    let sensor = Sensor {
+        id: "laser".into(),
+        kind: Kind::Laser,
+        x: 0.0,
+        y: 0.0,
+        axis: 0.0,
+        half_width: step / 2.0,
+        r_min: 0.05,
+        r_max: 80.0,
+        hit_range: 80.0,
+        no_echo_range: 0.0,
+        epsilon: None,
+    };
+    let mut robot = Pose { x: edge / 2.0, y: edge / 2.0, heading: 0.0 };
+    let mut readings = Vec::with_capacity(count);
+    for scan in 0..(count / BEAMS).max(1) as u64 {
+        robot.heading += random.uniform(-0.3, 0.3);
+        let (x, y) = (robot.x + 0.1 * robot.heading.cos(), robot.y + 0.1 * robot.heading.sin());
+        // It turns round at the edge.
+        if x.min(y) < 0.0 || x.max(y) > edge {
+            robot.heading += std::f64::consts::PI;
+        } else {
+            (robot.x, robot.y) = (x, y);
+        }
+        for beam in 0..BEAMS {
+            let heading = robot.heading - std::f64::consts::FRAC_PI_2 + (beam as f64 + 0.5) * step;
+            let range = random.uniform(1.0, 8.0);
+            let label = Some((beam * 6 / BEAMS) as u16 + 1);
+            let pose = Pose { heading, ..robot };
+            let record = Record { t: scan as f64, scan, sensor: 0, robot, pose, range, label, line: scan + 1 };
+            readings.push(Reading { record, outcome: Outcome::Hit, range });
+        }
+    }
+    Workload {
+        name: format!("scans of 180 beams, {:.0} cm", 100.0 * resolution),
+        grid: GridSpec { anchor: (0.0, 0.0), resolution, i0: 0, j0: 0, width: cells, height: cells },
+        sensors: vec![sensor],
+        readings,
+    }
+}
+
+/// The workloads of the methods that take scans: cells of 10 cm and 2 cm.
+pub fn standard_scans(count: usize) -> Vec<Workload> {
+    [(0.1, 256), (0.02, 1024)].iter().map(|&(resolution, cells)| scans(count, resolution, cells, 1)).collect()
+}

@@ -38,7 +38,7 @@ fn map(grid: GridSpec, cells: &[(usize, usize, i8)]) -> Map {
     cells.iter().for_each(|(c, r, v)| class[r * grid.width + c] = *v);
     let scale = Scale::Signed { limit: 1.0 };
     let layer = Layer { name: "class".into(), about: "", data: Data::I8(class), fill: 0.0, scale };
-    Map { grid, method: "bayes".into(), layers: vec![layer], updates: 0 }
+    Map { grid, method: "bayes".into(), layers: vec![layer], updates: 0, increments: Vec::new() }
 }
 
 /// What was written: the JSON, and the picture's pixels.

@@ -4,9 +4,9 @@ use super::common::{LogArguments, threads, use_threads, warn_of_bad_lines, warn_
 use super::{note, say};
 use crate::kernels::ceiling::Ceilings;
 use crate::kernels::{Choice, choose, gpu_required};
-use crate::method::{self, REGISTRY, settings::Settings};
+use crate::method::{self, REGISTRY, Unit, settings::Settings};
 use crate::throughput::{Measured, measure};
-use crate::workload::{Workload, cones, standard};
+use crate::workload::{Workload, cones, scans, standard, standard_scans};
 use crate::{Error, Result};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -71,14 +71,19 @@ impl Bench {
             return Err(Error::Usage(what.into()));
         }
         let old = self.compare.as_deref().map(earlier).transpose()?;
-        let mut workloads = standard(self.readings as usize);
+        let count = self.readings as usize;
+        let (mut workloads, mut of_scans) = (standard(count), standard_scans(count));
         if let Some(log) = &self.log {
-            workloads.push(from_log(log)?);
+            let workload = from_log(log)?;
+            of_scans.push(workload.clone());
+            workloads.push(workload);
         }
         if self.growth {
-            workloads = growing(self.readings as usize);
+            let width = 30f64.to_radians();
+            workloads = growing(&|times, cells| cones(count * times, width, 2.0, 0.05, cells, 1));
+            of_scans = growing(&|times, cells| scans(count * times, 0.05, cells, 1));
         }
-        let mut table = Table::of(&workloads, self.markdown, self.json, old.is_some());
+        let mut table = Table::of(workloads.iter().chain(&of_scans), self.markdown, self.json, old.is_some());
         let mut all: Vec<Measured> = Vec::new();
         let mut backends = Vec::new();
         for (kind, choice) in [(Measurable::Cpu, Choice::Cpu), (Measurable::Gpu, Choice::Gpu)] {
@@ -104,7 +109,8 @@ impl Bench {
                         "backend": chosen.backend.name(), "adapter": chosen.backend.adapter(), "ceilings": ceilings,
                     }));
                 }
-                for workload in &workloads {
+                let suited = if method.unit() == Unit::Scan { &of_scans } else { &workloads };
+                for workload in suited {
                     let m = measure(workload, method.as_ref(), chosen.backend.as_mut(), self.runs as usize)?;
                     let m = m.against(ceilings);
                     table.row(&m, old.as_ref().map(|old| before(old, &m)));
@@ -129,8 +135,8 @@ struct Table {
 }
 
 impl Table {
-    fn of(workloads: &[Workload], markdown: bool, silent: bool, compared: bool) -> Table {
-        let widest = workloads.iter().map(|w| w.name.chars().count()).max().unwrap_or(0);
+    fn of<'a>(workloads: impl Iterator<Item = &'a Workload>, markdown: bool, silent: bool, compared: bool) -> Table {
+        let widest = workloads.map(|w| w.name.chars().count()).max().unwrap_or(0);
         Table { width: 2 + widest.clamp(15, LONGEST), markdown, silent, compared }
     }
 
@@ -198,7 +204,7 @@ impl Table {
             say!("| {} |", cells.join(" | "));
             return;
         }
-        const WIDTHS: [usize; 10] = [17, 0, 12, 14, 10, 10, 10, 12, 36, 10];
+        const WIDTHS: [usize; 10] = [25, 0, 12, 14, 10, 10, 10, 12, 36, 10];
         let width = |k: usize| if k == 1 { self.width } else { WIDTHS[k] };
         let cell = |(k, text): (usize, &String)| match k {
             0 | 1 => format!("{text:<0$}", width(k)),
@@ -222,11 +228,11 @@ fn before(old: &Value, m: &Measured) -> Option<f64> {
     old["measured"].as_array()?.iter().find(same)?["updates_per_second"].as_f64()
 }
 
-/// 30° cones of 2 m on 5 cm: 1, 4, 16 and 64 times the readings over the same cells; and as many cells for the same readings.
-fn growing(readings: usize) -> Vec<Workload> {
-    let width = 30f64.to_radians();
+/// 30° cones of 2 m on 5 cm, or scans: 1, 4, 16 and 64 times the readings over the same cells; and as many cells for the same
+/// readings.
+fn growing(make: &dyn Fn(usize, usize) -> Workload) -> Vec<Workload> {
     let one = |times: usize, cells: usize, what: &str| {
-        let workload = cones(readings * times, width, 2.0, 0.05, cells, 1);
+        let workload = make(times, cells);
         Workload {
             name: format!("{what} x {}", if what == "cells" { (cells / 512) * (cells / 512) } else { times }),
             ..workload

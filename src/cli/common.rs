@@ -4,7 +4,7 @@ use super::note;
 use crate::grid::GridSpec;
 use crate::kernels::Choice;
 use crate::log;
-use crate::method::settings::{Likelihood, MassModel, Settings};
+use crate::method::settings::{FreeRule, Likelihood, MassModel, Settings};
 use crate::method::{self, REGISTRY};
 use crate::reading::Counts;
 use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, Sensor, length};
@@ -69,6 +69,9 @@ pub struct LogArguments {
     /// A TOML file that describes the sensors
     #[arg(long, value_name = "FILE")]
     pub sensor_file: Option<PathBuf>,
+    /// A TOML file with the class labels' names and colours, for the semantic methods
+    #[arg(long, value_name = "FILE")]
+    pub classes: Option<PathBuf>,
     /// Set a parameter, as often as needed; lengths in metres or with mm, cm, m, angles in radians or with deg
     #[arg(short, long = "set", value_name = "KEY=VALUE", long_help = set_help())]
     pub set: Vec<String>,
@@ -174,6 +177,10 @@ fn idle(settings: &Settings, set: &[String]) -> Vec<(&'static str, &'static str)
         Settings::DempsterShafer(_) => (&["max_occ"], "model=pagac"),
         Settings::Himm(_) => (&["beta"], "method himm: it takes the cells on the axis"),
         Settings::Truth => (&["epsilon"], "method truth: a hit is ¾ cell deep"),
+        Settings::Csm(c) if c.continuous && c.free != FreeRule::Sample => {
+            (&["step", "beta", "epsilon", "no_echo_range"], "this method")
+        }
+        Settings::Csm(_) => (&["beta", "epsilon", "no_echo_range"], "this method"),
         Settings::Certainty(_) => (&[], ""),
     };
     let given = |key: &str| set.iter().any(|text| text.split_once('=').is_some_and(|(k, _)| k == key));
@@ -205,7 +212,13 @@ impl LogArguments {
             note!("--set {key} has no effect with {why}");
         }
         Ok(Request {
-            log: log::Options { kind, sensor_file: self.sensor_file.clone(), overrides, spool: None },
+            log: log::Options {
+                kind,
+                sensor_file: self.sensor_file.clone(),
+                overrides,
+                classes: self.classes.clone(),
+                spool: None,
+            },
             settings,
             resolution: self.resolution,
             bounds,
@@ -342,6 +355,7 @@ impl LogArguments {
             bounds: None,
             sensor: None,
             sensor_file: None,
+            classes: None,
             set: Vec::new(),
             until: None,
             strict: false,

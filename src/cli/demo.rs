@@ -69,7 +69,7 @@ impl Demo {
             100.0 * done.no_echo as f64 / done.readings as f64
         );
         say!("");
-        say!("map               backend      ms  M updates  accuracy  recall  precision  danger");
+        say!("map                       backend      ms  M updates  accuracy  recall  precision  danger");
         let truth = Truth::of_world(world, None)?;
         let methods = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth");
         let runs =
@@ -128,7 +128,7 @@ fn line(name: &str, report: &Report, numbers: Option<&Numbers>) {
     let milliseconds = report.seconds.iter().find(|s| s.0 == "map").map_or(0.0, |s| 1e3 * s.1);
     let share = |of: fn(&Numbers) -> Option<f64>| numbers.and_then(of).map_or("-".into(), |v| format!("{v:.3}"));
     say!(
-        "{name:<18}{:<8}{milliseconds:>7.1}{:>11.2}{:>10}{:>8}{:>11}{:>8}",
+        "{name:<26}{:<8}{milliseconds:>7.1}{:>11.2}{:>10}{:>8}{:>11}{:>8}",
         report.backend,
         report.updates as f64 / 1e6,
         share(|n| n.accuracy),

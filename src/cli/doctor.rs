@@ -58,9 +58,9 @@ impl Doctor {
             );
         }
         say!("");
-        say!("method            bytes a cell  --backend auto");
+        say!("method                    bytes a cell  --backend auto");
         for (name, bytes) in methods {
-            say!("{name:<18}{bytes:<14}{auto}");
+            say!("{name:<26}{bytes:<14}{auto}");
         }
         say!("himm with gro=true runs on the cpu only");
         Ok(0)

@@ -218,7 +218,7 @@ fn run_info(session: &Session, ran: &Ran, counts: Counts, seconds: Vec<(String, 
         backend: ran.backend.into(),
         adapter: ran.adapter.clone(),
         bad_lines: session.survey.bad_lines.clone(),
-        increments: None,
+        classes: session.classes.as_ref().map_or_else(Vec::new, |c| c.names.clone()),
     })
 }
 

@@ -23,7 +23,13 @@ pub fn write_pictures(a: &Map, b: &Map, comparison: &Comparison, folder: &Path) 
         let (Some(from), Some(to)) = (left.layer(&found.name), right.layer(&found.name)) else { continue };
         let between = between(from, to, found, comparison.tolerance);
         // Without `touched`, so that a cell that only one side touched shows its colour.
-        let bare = Map { grid: left.grid, method: left.method.clone(), layers: Vec::new(), updates: 0 };
+        let bare = Map {
+            grid: left.grid,
+            method: left.method.clone(),
+            layers: Vec::new(),
+            updates: 0,
+            increments: Vec::new(),
+        };
         for (map, layer, suffix) in [(&left, from, "a"), (&right, to, "b"), (&bare, &between, "difference")] {
             let path = folder.join(format!("{}.{suffix}.png", found.name));
             write_picture(&path, map, layer)?;

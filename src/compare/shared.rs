@@ -64,7 +64,13 @@ impl Shared {
         });
         let (i0, j0) = (map.grid.i0 + first.0 as i64, map.grid.j0 + first.1 as i64);
         let grid = GridSpec { i0, j0, width: self.width, height: self.height, ..map.grid };
-        Map { grid, method: map.method.clone(), layers: layers.collect(), updates: map.updates }
+        Map {
+            grid,
+            method: map.method.clone(),
+            layers: layers.collect(),
+            updates: map.updates,
+            increments: map.increments.clone(),
+        }
     }
 }
 

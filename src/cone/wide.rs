@@ -1,4 +1,5 @@
-//! Membership in 64 bits, for readings that reach farther than 1024 cells; twin of `shaders/wide.wgsl`.
+//! Membership in 64 bits, for readings that reach farther than 1024 cells; twin of `shaders/wide.wgsl`, its
+//! integers those of `shaders/int64.wgsl`.
 
 use super::Row;
 use crate::layout::*;

@@ -69,6 +69,58 @@ pub enum Scale {
         /// Magnitude of the strongest colour.
         limit: f64,
     },
+    /// Dark violet at `low` over green to yellow at `high` (the colours of viridis).
+    Heat {
+        /// Value shown darkest.
+        low: f64,
+        /// Value shown brightest.
+        high: f64,
+    },
+    /// Whole numbers: 0 grey, 1, 2, … each its own colour.
+    Classes(Palette),
+}
+
+/// The colours of class labels 1, 2, …, and of "free" after them.
+#[derive(Clone, Copy, PartialEq)]
+pub struct Palette {
+    colours: [[u8; 3]; Palette::MOST + 1],
+    classes: u8,
+}
+
+impl Palette {
+    /// Class labels at most.
+    pub const MOST: usize = 32;
+
+    /// Of these colours, "free" last; `None` where there are none, or more than [`Palette::MOST`] before the last.
+    pub fn of(colours: &[[u8; 3]]) -> Option<Palette> {
+        let classes = colours.len().checked_sub(1).filter(|n| (1..=Palette::MOST).contains(n))?;
+        let mut all = [[0; 3]; Palette::MOST + 1];
+        all[..colours.len()].copy_from_slice(colours);
+        Some(Palette { colours: all, classes: classes as u8 })
+    }
+
+    /// One class, black, and white for "free".
+    pub fn plain() -> Palette {
+        let mut colours = [[0; 3]; Palette::MOST + 1];
+        colours[1] = [255; 3];
+        Palette { colours, classes: 1 }
+    }
+
+    /// How many class labels there are, "free" left out.
+    pub fn classes(&self) -> usize {
+        usize::from(self.classes)
+    }
+
+    /// Red, green and blue of labels 1, 2, …, "free" last.
+    pub fn colours(&self) -> &[[u8; 3]] {
+        &self.colours[..=self.classes()]
+    }
+}
+
+impl std::fmt::Debug for Palette {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.colours()).finish()
+    }
 }
 
 /// One named layer.
@@ -97,6 +149,8 @@ pub struct Map {
     pub layers: Vec<Layer>,
     /// Cell updates: (reading, cell) pairs with the cell inside the cone.
     pub updates: u64,
+    /// What all cells' α gained, where the method counts it: labels, "free" last. Else empty.
+    pub increments: Vec<f64>,
 }
 
 impl Map {

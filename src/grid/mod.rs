@@ -3,5 +3,5 @@
 mod layer;
 mod spec;
 
-pub use layer::{Class, Data, Layer, Map, Scale};
+pub use layer::{Class, Data, Layer, Map, Palette, Scale};
 pub use spec::GridSpec;

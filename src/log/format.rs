@@ -2,7 +2,7 @@
 //! **Adding a format is one file and one line in [`FORMATS`].**
 
 use super::input::Input;
-use super::{Problem, carmen, csv, jsonl, sonar_ring_8};
+use super::{Problem, carmen, csv, jsonl, matlab, sonar_ring_8};
 use crate::reading::{Pose, Record};
 use crate::sensor::{Description, Kind, Sensor};
 use crate::{Error, Result};
@@ -12,7 +12,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 /// Every format, in the order in which they are asked.
-pub(crate) const FORMATS: &[&dyn Format] = &[&sonar_ring_8::SonarRing8, &jsonl::JsonLines, &csv::Csv, &carmen::Carmen];
+pub(crate) const FORMATS: &[&dyn Format] =
+    &[&sonar_ring_8::SonarRing8, &jsonl::JsonLines, &csv::Csv, &carmen::Carmen, &matlab::Matlab];
 
 /// What a format is shown to tell whether a log is its own.
 pub(crate) enum Probe<'a> {

@@ -10,6 +10,7 @@ mod format;
 mod input;
 mod jsonl;
 mod lines;
+mod matlab;
 mod records;
 mod sensors;
 mod sonar_ring_8;
@@ -37,6 +38,8 @@ pub struct Options {
     pub sensor_file: Option<PathBuf>,
     /// Changes to every sensor, laid over all else.
     pub overrides: Overrides,
+    /// A classes file: names and colours of the labels, in place of the log's.
+    pub classes: Option<PathBuf>,
     /// Folder for the copy of a stream; `None`: the system's temporary folder.
     pub spool: Option<PathBuf>,
 }

@@ -145,8 +145,8 @@ impl Method for Bayes {
         [(1.0 / sensor.r_max) as f32, 0.0, 0.0, 0.0]
     }
 
-    fn layers(&self) -> &'static [LayerSpec] {
-        LAYERS
+    fn layers(&self) -> Vec<LayerSpec> {
+        LAYERS.to_vec()
     }
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {

@@ -194,8 +194,8 @@ impl Method for Certainty {
         [sensor.r_min, per_span, snapped.range, per_epsilon].map(|v| v as f32)
     }
 
-    fn layers(&self) -> &'static [LayerSpec] {
-        LAYERS
+    fn layers(&self) -> Vec<LayerSpec> {
+        LAYERS.to_vec()
     }
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {

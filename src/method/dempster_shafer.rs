@@ -164,8 +164,8 @@ impl Method for DempsterShafer {
         [e[0], e[1], f[0], f[1]]
     }
 
-    fn layers(&self) -> &'static [LayerSpec] {
-        LAYERS
+    fn layers(&self) -> Vec<LayerSpec> {
+        LAYERS.to_vec()
     }
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {

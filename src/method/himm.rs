@@ -88,8 +88,8 @@ impl Method for Himm {
         if self.gro { None } else { Some(&[&[&[Step::Pass(Pass::Fuse, COUNT)]]]) }
     }
 
-    fn layers(&self) -> &'static [LayerSpec] {
-        LAYERS
+    fn layers(&self) -> Vec<LayerSpec> {
+        LAYERS.to_vec()
     }
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {

@@ -6,6 +6,7 @@
 
 pub mod bayes;
 pub mod certainty;
+pub mod csm;
 pub mod dempster_shafer;
 pub mod himm;
 pub mod settings;
@@ -68,6 +69,15 @@ pub struct LayerSpec {
     pub integer: bool,
 }
 
+/// What a method takes one at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// A reading: each updates the cells of its cone.
+    Reading,
+    /// A scan: each cell takes one beam of it.
+    Scan,
+}
+
 /// A method with its parameters set.
 pub trait Method: Send + Sync {
     /// The parameters.
@@ -75,6 +85,27 @@ pub trait Method: Send + Sync {
 
     /// Planes after the two counts. Every word of a cell is 0 before the first reading.
     fn planes(&self) -> usize;
+
+    /// What it takes one at a time.
+    fn unit(&self) -> Unit {
+        Unit::Reading
+    }
+
+    /// The plane, counted from the two counts on, that sums marks of what a cell has taken, so that `verify` can tell whether
+    /// two backends took the same; methods whose counts tell have none.
+    fn marks(&self) -> Option<usize> {
+        None
+    }
+
+    /// The method's own lengths in the frame for cells of that size, µm.
+    fn limits(&self, _resolution: f64) -> [i32; 4] {
+        [0; 4]
+    }
+
+    /// WGSL constants that these parameters decide.
+    fn declarations(&self) -> String {
+        String::new()
+    }
 
     /// The cells that a reading concerns.
     fn footprint(&self) -> Footprint {
@@ -111,7 +142,15 @@ pub trait Method: Send + Sync {
     }
 
     /// The layers, in the order of [`Method::values`].
-    fn layers(&self) -> &'static [LayerSpec];
+    fn layers(&self) -> Vec<LayerSpec>;
+
+    /// Whether readings have touched a cell of these words.
+    fn touched(&self, words: &[u32]) -> bool {
+        words[0] + words[1] > 0
+    }
+
+    /// Adds what a cell's α have gained, where the method has α, to the map's sums.
+    fn gains(&self, _words: &[u32], _sums: &mut Vec<f64>) {}
 
     /// A cell's layers and class from its words, one of each plane, the two counts first.
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class;
@@ -158,7 +197,17 @@ pub struct Entry {
 }
 
 /// Every method.
-pub const REGISTRY: &[Entry] = &[certainty::ENTRY, dempster_shafer::ENTRY, bayes::ENTRY, himm::ENTRY, truth::ENTRY];
+pub const REGISTRY: &[Entry] = &[
+    certainty::ENTRY,
+    dempster_shafer::ENTRY,
+    bayes::ENTRY,
+    himm::ENTRY,
+    truth::ENTRY,
+    csm::DISCRETE,
+    csm::CONTINUOUS,
+    csm::SEMANTIC_DISCRETE,
+    csm::SEMANTIC_CONTINUOUS,
+];
 
 /// The registry's line of that name; the error names the nearest.
 pub fn entry(name: &str) -> Result<&'static Entry> {

@@ -1,5 +1,9 @@
 //! The parameters of every method, with their defaults; `--set key=value` changes them.
 
+mod csm;
+
+pub use csm::{Csm, FreeRule};
+
 use crate::{Error, Result};
 
 /// Order of a certainty grid's updates.
@@ -124,6 +128,8 @@ pub enum Settings {
     Himm(Himm),
     /// The laser truth: hits and passes of the nearest beam of each scan.
     Truth,
+    /// A counting sensor model.
+    Csm(Csm),
 }
 
 /// A parameter's documentation: key, values, default and meaning, for help and errors.
@@ -173,6 +179,10 @@ impl Settings {
             "bayes" => Settings::Bayes(Bayes::default()),
             "himm" => Settings::Himm(Himm::default()),
             "truth" => Settings::Truth,
+            "csm-discrete" => Settings::Csm(Csm::of(false, false)),
+            "csm-continuous" => Settings::Csm(Csm::of(true, false)),
+            "csm-semantic-discrete" => Settings::Csm(Csm::of(false, true)),
+            "csm-semantic-continuous" => Settings::Csm(Csm::of(true, true)),
             _ => return None,
         })
     }
@@ -185,6 +195,7 @@ impl Settings {
             Settings::Bayes(_) => BAYES,
             Settings::Himm(_) => HIMM,
             Settings::Truth => &[],
+            Settings::Csm(c) => c.keys(),
         }
     }
 
@@ -216,6 +227,7 @@ impl Settings {
             },
             Settings::Himm(h) => h.gro = choice(["false", "true"])? == 1,
             Settings::Truth => return Ok(false),
+            Settings::Csm(c) => c.set(key, value)?,
         }
         Ok(true)
     }
@@ -241,6 +253,7 @@ impl Settings {
             }
             Settings::Himm(h) => vec![h.gro.to_string()],
             Settings::Truth => Vec::new(),
+            Settings::Csm(c) => c.values(),
         };
         self.keys().iter().map(|k| k.name).zip(texts).collect()
     }

@@ -67,8 +67,8 @@ impl Method for Truth {
         &[&[Step::Pass(Pass::Fuse, COUNT)]]
     }
 
-    fn layers(&self) -> &'static [LayerSpec] {
-        LAYERS
+    fn layers(&self) -> Vec<LayerSpec> {
+        LAYERS.to_vec()
     }
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {

@@ -7,6 +7,7 @@ mod bayes;
 mod bound;
 mod certainty;
 mod cone;
+mod csm;
 mod dempster_shafer;
 mod himm;
 mod truth;
@@ -21,6 +22,7 @@ mod real_log;
 #[cfg(test)]
 mod vectors;
 
+pub use csm::map_scans;
 pub use working::{Working, WorkingCell, working};
 
 use crate::grid::GridSpec;
@@ -80,6 +82,10 @@ pub struct OracleMap {
     pub interior: Vec<u32>,
     /// Arc updates that a cell got.
     pub arc: Vec<u32>,
+    /// Sums of marks of what each cell took; empty for methods without ([`crate::method::Method::marks`]).
+    pub marks: Vec<u32>,
+    /// What each cell's α gained, labels and then "free"; empty for methods without α.
+    pub gains: Vec<Vec<f64>>,
     /// Cells that got an update.
     pub touched: u64,
     /// All (reading, cell) pairs with the cell in the interior or on the arc.
@@ -100,7 +106,10 @@ impl OracleMap {
 
     /// Whether a reading reached cell `k`.
     pub fn is_touched(&self, k: usize) -> bool {
-        self.interior[k] + self.arc[k] > 0
+        match self.gains.get(k) {
+            Some(gains) => csm::is_touched(gains),
+            None => self.interior[k] + self.arc[k] > 0,
+        }
     }
 }
 
@@ -164,11 +173,29 @@ pub fn map(
         Settings::Bayes(s) => bayes::map(grid, &cones, s, &mut tally),
         Settings::Himm(s) => himm::map(grid, &cones, s, &mut tally),
         Settings::Truth => truth::map(grid, &cones, &mut tally),
+        Settings::Csm(_) => {
+            return Err(Error::Usage("a counting sensor model takes scans: see map_scans".into()));
+        }
     };
     let touched = (0..grid.cells()).filter(|&k| tally.is_touched(k)).count() as u64;
     let Tally { interior, arc, updates, outside, empty_arc, wide } = tally;
     let grid = *grid;
-    Ok(OracleMap { grid, layers, class, ambiguous, interior, arc, touched, updates, outside, empty_arc, wide })
+    let (marks, gains) = (Vec::new(), Vec::new());
+    Ok(OracleMap {
+        grid,
+        layers,
+        class,
+        ambiguous,
+        interior,
+        arc,
+        marks,
+        gains,
+        touched,
+        updates,
+        outside,
+        empty_arc,
+        wide,
+    })
 }
 
 /// The cells of the grid that one reading updates, by the method of `settings`. `wedge`: see [`map`].

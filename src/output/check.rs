@@ -74,7 +74,12 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
 /// A shard's sum, least and largest value.
 fn tally(reader: &Reader, layer: usize, at: [u32; 2]) -> Tried<[f64; 3]> {
     let layer = reader.shard(layer, at)?;
-    let map =
-        Map { grid: crate::whole::part(&reader.grid, at), method: String::new(), layers: vec![layer], updates: 0 };
+    let map = Map {
+        grid: crate::whole::part(&reader.grid, at),
+        method: String::new(),
+        layers: vec![layer],
+        updates: 0,
+        increments: Vec::new(),
+    };
     Ok(report::Tally::of(&map).first_layer())
 }

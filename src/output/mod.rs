@@ -37,10 +37,16 @@ pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, n
     let outline = Outline { grid: map.grid, method: map.method.clone(), heads, combined: head(combined), npy };
     let mut writer = MapWriter::open(folder.path(), outline, info, false)?;
     // the whole map's updates are the first chunk's: a part knows none of its own
-    let mut updates = map.updates;
+    let (mut updates, mut increments) = (map.updates, map.increments.clone());
     for at in places(&map.grid) {
         let layers = map.layers.iter().map(|layer| cut(&map.grid, layer, at)).collect();
-        let part = Map { grid: part(&map.grid, at), method: map.method.clone(), layers, updates };
+        let part = Map {
+            grid: part(&map.grid, at),
+            method: map.method.clone(),
+            layers,
+            updates,
+            increments: std::mem::take(&mut increments),
+        };
         writer.chunk(at, &part, &cut(&map.grid, combined, at))?;
         updates = 0;
     }

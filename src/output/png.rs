@@ -14,6 +14,8 @@ use std::path::Path;
 const LARGEST: usize = 4096;
 /// Palette entry 0: cells that no reading reached, and values that are no number.
 const UNTOUCHED: [u8; 3] = [168, 180, 196];
+/// The colour of class 0: cells that readings reached, and that are undecided.
+const UNDECIDED: [u8; 3] = [128; 3];
 /// Palette entry of a signed scale's zero; entries 1 to 255 are the scale from low to high.
 const MIDDLE: u8 = 128;
 
@@ -51,11 +53,20 @@ pub(super) fn entries(map: &Map, layer: &Layer, factor: usize) -> ([usize; 2], V
             let rows = row..(row + factor).min(grid.height);
             let columns = column..(column + factor).min(grid.width);
             let block = rows.flat_map(|r| columns.clone().map(move |c| r * grid.width + c)).filter_map(value);
-            let strongest = block.reduce(|best, v| if v.abs() > best.abs() { v } else { best });
+            let strongest = block.reduce(|best, v| if stronger(layer.scale, v, best) { v } else { best });
             *pixel = strongest.map_or(0, |v| entry(layer.scale, v));
         }
     });
     ([width, height], pixels)
+}
+
+/// Whether a block of cells shows this value rather than that: the larger magnitude; of classes the lower one, as walls are
+/// thinner than what is free, and any rather than none.
+fn stronger(scale: Scale, value: f64, than: f64) -> bool {
+    match scale {
+        Scale::Classes(_) => value != 0.0 && (than == 0.0 || value < than),
+        _ => value.abs() > than.abs(),
+    }
 }
 
 /// Turns rows upside down.
@@ -70,8 +81,11 @@ pub(super) fn flip(pixels: &mut [u8], width: usize) {
 /// A value's palette entry, 1 to 255.
 fn entry(scale: Scale, value: f64) -> u8 {
     match scale {
-        Scale::Grey { low, high } => 1 + ((value - low) / (high - low) * 254.0).round().clamp(0.0, 254.0) as u8,
+        Scale::Grey { low, high } | Scale::Heat { low, high } => {
+            1 + ((value - low) / (high - low) * 254.0).round().clamp(0.0, 254.0) as u8
+        }
         Scale::Signed { limit } => (f64::from(MIDDLE) + (value / limit * 127.0).round().clamp(-127.0, 127.0)) as u8,
+        Scale::Classes(_) => 1 + value.clamp(0.0, 254.0) as u8,
     }
 }
 
@@ -84,6 +98,14 @@ fn palette(scale: Scale) -> Vec<u8> {
             let pale = 255 - strength.unsigned_abs() as u8;
             if strength < 0 { [pale, pale, 255] } else { [255, pale, pale] }
         }
+        Scale::Heat { .. } => {
+            let colour = colorous::VIRIDIS.eval_rational(usize::from(entry) - 1, 255);
+            [colour.r, colour.g, colour.b]
+        }
+        Scale::Classes(palette) => match entry {
+            1 => UNDECIDED,
+            label => palette.colours().get(usize::from(label) - 2).copied().unwrap_or(UNDECIDED),
+        },
     };
     let scale = (1..=255).flat_map(colour);
     UNTOUCHED.into_iter().chain(scale).collect()

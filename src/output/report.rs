@@ -29,8 +29,8 @@ pub struct RunInfo {
     pub adapter: Option<String>,
     /// Lines that couldn't be read.
     pub bad_lines: BadLines,
-    /// Evidence added, where the method counts it: occupied, free (csm); or classes, then free.
-    pub increments: Option<Vec<u64>>,
+    /// Names of the class labels, "free" last, where the method tells them apart.
+    pub classes: Vec<String>,
 }
 
 /// Which log a map was made of.
@@ -110,7 +110,7 @@ pub struct LayerReport {
     pub min: f64,
     /// The largest value.
     pub max: f64,
-    /// Its colours: `{"grey": [low, high]}` or `{"signed": limit}`.
+    /// Its colours: `{"grey": [low, high]}`, `{"signed": limit}`, `{"heat": [low, high]}` or `{"classes": [[r, g, b], …]}`.
     pub scale: Value,
 }
 
@@ -136,9 +136,12 @@ pub struct Report {
     /// Each layer in brief, in the map's order.
     #[serde(serialize_with = "as_object")]
     pub layers: Vec<(String, LayerReport)>,
-    /// Evidence added, where the method counts it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub increments: Option<Vec<u64>>,
+    /// What the cells' α gained, where the method counts it: occupied, free; or the classes, then free.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub increments: Vec<f64>,
+    /// Names of the class labels, "free" last, where the method tells them apart.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub classes: Vec<String>,
     /// Wall time of each stage, seconds.
     #[serde(serialize_with = "as_object")]
     pub seconds: Vec<(String, f64)>,
@@ -157,6 +160,7 @@ pub struct Report {
 pub(super) struct Tally {
     cells: [u64; 4],
     updates: u64,
+    increments: Vec<Bits>,
     layers: Vec<[Bits; 3]>,
 }
 
@@ -177,6 +181,7 @@ impl Tally {
         Tally {
             cells: [count("touched", 1.0), count("class", 1.0), count("class", -1.0), count("class", 0.0)],
             updates: part.updates,
+            increments: part.increments.iter().map(|v| Bits(v.to_bits())).collect(),
             layers: part.layers.iter().map(|l| layer(l).map(|v| Bits(v.to_bits()))).collect(),
         }
     }
@@ -189,7 +194,12 @@ impl Tally {
     /// Of a part that nothing reached.
     pub fn unreached(heads: &[Layer], cells: usize) -> Tally {
         let layer = |l: &Layer| [l.fill * cells as f64, l.fill, l.fill].map(|v| Bits(v.to_bits()));
-        Tally { cells: [0, 0, 0, cells as u64], updates: 0, layers: heads.iter().map(layer).collect() }
+        Tally {
+            cells: [0, 0, 0, cells as u64],
+            updates: 0,
+            increments: Vec::new(),
+            layers: heads.iter().map(layer).collect(),
+        }
     }
 }
 
@@ -204,10 +214,12 @@ impl Report {
     ) -> Report {
         let mut layers: Vec<(String, LayerReport)> =
             heads.iter().map(|l| (l.name.clone(), LayerReport::start(l.scale))).collect();
-        let (mut cells, mut updates) = ([0; 4], 0);
+        let (mut cells, mut updates, mut increments) = ([0; 4], 0, Vec::new());
         for tally in tallies {
             (0..4).for_each(|k| cells[k] += tally.cells[k]);
             updates += tally.updates;
+            let gains: Vec<f64> = tally.increments.iter().map(|b| f64::from_bits(b.0)).collect();
+            crate::layers::add(&gains, &mut increments);
             layers
                 .iter_mut()
                 .zip(&tally.layers)
@@ -233,7 +245,8 @@ impl Report {
             },
             updates,
             layers,
-            increments: info.increments.clone(),
+            increments,
+            classes: info.classes.clone(),
             seconds: info.seconds.clone(),
             peak_memory: peak_memory(),
             backend: info.backend.clone(),
@@ -273,6 +286,8 @@ impl LayerReport {
         let scale = match scale {
             Scale::Grey { low, high } => json!({ "grey": [low, high] }),
             Scale::Signed { limit } => json!({ "signed": limit }),
+            Scale::Heat { low, high } => json!({ "heat": [low, high] }),
+            Scale::Classes(palette) => json!({ "classes": palette.colours() }),
         };
         LayerReport { sum: 0.0, min: f64::INFINITY, max: f64::NEG_INFINITY, scale }
     }

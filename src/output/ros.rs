@@ -64,7 +64,7 @@ pub fn read_ros(path: &Path) -> Result<Map> {
         layer("touched", "known to the map", Data::U8(touched), Scale::Grey { low: 0.0, high: 1.0 }),
         layer("class", "1 occupied, 0 unknown, -1 empty", Data::I8(class), Scale::Signed { limit: 1.0 }),
     ];
-    Ok(Map { grid, method: "ros".into(), layers, updates: 0 })
+    Ok(Map { grid, method: "ros".into(), layers, updates: 0, increments: Vec::new() })
 }
 
 /// The keys of a map.yaml that matter here.

@@ -6,7 +6,7 @@
 
 use super::png::reduced;
 use super::{RunInfo, folder, unwritable};
-use crate::grid::{Data, GridSpec, Layer, Map, Scale};
+use crate::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
 use crate::whole::{Place, part, places};
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -212,7 +212,12 @@ fn array(
     let (scale, ends) = match head.scale {
         Scale::Grey { low, high } => ("grey", [low, high]),
         Scale::Signed { limit } => ("signed", [-limit, limit]),
+        Scale::Heat { low, high } => ("heat", [low, high]),
+        Scale::Classes(palette) => ("classes", [0.0, palette.colours().len() as f64]),
     };
+    if let Scale::Classes(palette) = head.scale {
+        builder.attributes_mut().insert("class_colours".into(), json!(palette.colours()));
+    }
     builder.attributes_mut().extend([
         ("long_name".into(), json!(head.about)),
         ("scale".into(), json!(scale)),
@@ -243,13 +248,15 @@ pub fn read_map(path: &Path) -> Result<StoredMap> {
 }
 
 fn read_folder(path: &Path) -> Tried<StoredMap> {
-    let report = serde_json::from_slice(&std::fs::read(path.join("report.json"))?)?;
+    let report: Value = serde_json::from_slice(&std::fs::read(path.join("report.json"))?)?;
     let reader = Reader::open(&path.join("map.zarr"))?;
     let layers = (0..reader.arrays.len()).map(|k| reader.layer(k)).collect::<Tried<Vec<Layer>>>()?;
     let attributes = reader.attributes;
     let method = attributes.get("method").and_then(Value::as_str).unwrap_or_default().to_string();
     let updates = attributes.get("updates").and_then(Value::as_u64).unwrap_or_default();
-    Ok(StoredMap { map: Map { grid: reader.grid, method, layers, updates }, attributes, report })
+    let increments = serde_json::from_value(report["increments"].clone()).unwrap_or_default();
+    let map = Map { grid: reader.grid, method, layers, updates, increments };
+    Ok(StoredMap { map, attributes, report })
 }
 
 /// An open store.
@@ -367,6 +374,12 @@ impl Reader {
         let end = |k: usize, default: f64| ends.and_then(|e| e.get(k)).and_then(Value::as_f64).unwrap_or(default);
         let scale = match array.attributes().get("scale").and_then(Value::as_str) {
             Some("signed") => Scale::Signed { limit: end(1, 1.0) },
+            Some("heat") => Scale::Heat { low: end(0, 0.0), high: end(1, 1.0) },
+            Some("classes") => {
+                let colours = array.attributes().get("class_colours").cloned().unwrap_or_default();
+                let colours: Vec<[u8; 3]> = serde_json::from_value(colours).unwrap_or_default();
+                Scale::Classes(Palette::of(&colours).unwrap_or(Palette::plain()))
+            }
             _ => Scale::Grey { low: end(0, 0.0), high: end(1, 1.0) },
         };
         Ok(Layer { name: name.clone(), about: "", data, fill: self.fill(layer), scale })

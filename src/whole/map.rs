@@ -41,7 +41,7 @@ impl Plan {
         let limit = [cap, free].into_iter().flatten().min().unwrap_or(4 << 30);
         let (grid, method, used) = (&session.grid, session.method.as_ref(), session.survey.counts.used);
         let batch = memory::whole_batch(batch, limit);
-        let needed = memory::whole(grid, method, batch, used);
+        let needed = memory::whole(grid, method, batch, used, session.survey.scans);
         session.check_memory(needed, cap)?;
         // map.pgm, and the levels of the overview
         let disk = grid.cells() as u64 + grid.cells() as u64 / 3;

@@ -8,10 +8,12 @@
 mod bins;
 mod map;
 mod rounds;
+mod scanned;
 
 pub use bins::{Bins, Place};
 pub use map::{Plan, Progress, map};
 pub use rounds::{Chunk, Run};
+pub use scanned::Scanned;
 
 use crate::grid::GridSpec;
 use crate::layout::{CHUNK, TILE};

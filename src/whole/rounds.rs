@@ -1,11 +1,13 @@
 //! The rounds over the chunks: one thread reads and bins ahead, this one runs the kernels, one takes finished chunks.
 
+use super::scanned::Scanned;
 use super::{Bins, Place, part};
 use crate::batch::{Batch, Binning};
 use crate::kernels::{Backend, Chunks, Limits, Shares, shares};
 use crate::layers;
 use crate::layout::Cone;
 use crate::mapper::{Finished, PAIRS, count, frame, snap_item, too_large};
+use crate::method::settings::Settings;
 use crate::method::{Method, Step, Steps};
 use crate::reading::Counts;
 use crate::session::Session;
@@ -28,11 +30,19 @@ pub struct Run<'a> {
     session: &'a Session,
     method: &'a dyn Method,
     batch: usize,
-    bins: Bins,
+    source: Source,
     /// What each reading's rounds have found: the bits of a sum, or a count.
     found: Vec<u32>,
     /// `outside`, `empty_arc` and `wide` are counted while binning.
     pub counts: Counts,
+}
+
+/// What the chunks are made of.
+enum Source {
+    /// Readings, by chunk.
+    Readings(Bins),
+    /// Scans, and where their poses are.
+    Scans(Box<Scanned>),
 }
 
 /// A batch of one chunk's readings, binned, with its readings' numbers in the log.
@@ -41,6 +51,8 @@ struct Ready {
     steps: Steps,
     batch: Batch,
     numbers: Vec<u32>,
+    /// How many readings it is, in the chunk's count.
+    readings: u64,
     /// Whether it is the chunk's last of this round.
     last: bool,
 }
@@ -58,8 +70,13 @@ impl<'a> Run<'a> {
         progress: &dyn Fn(u64),
     ) -> Result<Run<'a>> {
         let method = session.method.as_ref();
-        let bins = Bins::new(folder, memory);
-        let mut run = Run { session, method, batch, bins, found: Vec::new(), counts: Counts::default() };
+        if let Settings::Csm(csm) = method.settings() {
+            let scanned = Scanned::read(&session.grid, csm, session.scans()?, (folder, memory), progress)?;
+            let source = Source::Scans(Box::new(scanned));
+            return Ok(Run { session, method, batch, source, found: Vec::new(), counts: Counts::default() });
+        }
+        let source = Source::Readings(Bins::new(folder, memory));
+        let mut run = Run { session, method, batch, source, found: Vec::new(), counts: Counts::default() };
         let (mut held, mut number) = (Vec::with_capacity(batch), 0u64);
         for item in session.items()? {
             held.push(item?);
@@ -97,7 +114,9 @@ impl<'a> Run<'a> {
         count(&mut self.counts, &binning, &snapped);
         for (cone, chunks) in cones.into_iter().flatten() {
             for [column, row] in chunks {
-                self.bins.push([row, column], cone)?;
+                if let Source::Readings(bins) = &mut self.source {
+                    bins.push([row, column], cone)?;
+                }
             }
         }
         Ok(())
@@ -114,12 +133,18 @@ impl<'a> Run<'a> {
 
     /// The chunks that readings reach, row by row, and how many readings each has.
     pub fn places(&self) -> Vec<(Place, u64)> {
-        self.bins.places()
+        match &self.source {
+            Source::Readings(bins) => bins.places(),
+            Source::Scans(scans) => scans.places(),
+        }
     }
 
     /// Bytes that were spilled.
     pub fn spilled(&self) -> u64 {
-        self.bins.spilled()
+        match &self.source {
+            Source::Readings(bins) => bins.spilled(),
+            Source::Scans(scans) => scans.spilled(),
+        }
     }
 
     /// What the rounds before the last have found, to be kept or given back.
@@ -138,7 +163,7 @@ impl<'a> Run<'a> {
             let mut share: Shares = vec![[1, 0, 0, 0]; ready.numbers.len()];
             let frame = frame(&self.session.grid, self.method);
             failed = backend.apply(self.method, frame, &ready.batch, ready.steps, &mut share).err();
-            done += ready.numbers.len() as u64;
+            done += ready.readings;
             failed.is_none() && started.elapsed().as_secs_f64() < seconds
         })?;
         if let Some(e) = failed {
@@ -218,7 +243,7 @@ impl<'a> Run<'a> {
             });
             let work = || -> Result<()> {
                 for batch in batches {
-                    let Ready { place, steps, batch, numbers, last } = batch?;
+                    let Ready { place, steps, batch, numbers, readings, last } = batch?;
                     let before = numbers.iter().map(|n| found.get(*n as usize).copied().unwrap_or(0));
                     let mut share: Shares = match last_round && tallied {
                         true => shares(method, before, &batch.cones),
@@ -229,7 +254,7 @@ impl<'a> Run<'a> {
                     if !last_round {
                         numbers.iter().zip(&share).for_each(|(n, s)| found[*n as usize] = s[0]);
                     }
-                    progress(numbers.len() as u64);
+                    progress(readings);
                     if last && let Some(mut words) = backend.take(place)? {
                         if !last_round && reuses {
                             words.fill(0);
@@ -265,10 +290,19 @@ impl<'a> Run<'a> {
         give: &mut dyn FnMut(Ready) -> bool,
     ) -> Result<()> {
         let batch = self.batch.clamp(1, limits.readings);
+        let bins = match &self.source {
+            Source::Readings(bins) => bins,
+            Source::Scans(scans) => {
+                return scans.batches(place, batch, limits, &mut |batch, share, last| {
+                    let readings = (share * count as f64) as u64;
+                    give(Ready { place, steps: traversals[0], batch, numbers: Vec::new(), readings, last })
+                });
+            }
+        };
         for (t, steps) in traversals.iter().enumerate() {
             let binning = self.binning(steps, Some(place));
             for first in (0..count as usize).step_by(batch) {
-                let cones = self.bins.read(place, first, batch)?;
+                let cones = bins.read(place, first, batch)?;
                 let last = t + 1 == traversals.len() && first + batch >= count as usize;
                 if !self.split(&binning, cones, steps, place, last, limits, give)? {
                     return Ok(());
@@ -298,7 +332,7 @@ impl<'a> Run<'a> {
             None => false,
         };
         match batch.filter(|_| fits) {
-            Some(batch) => Ok(give(Ready { place, steps, batch, numbers, last })),
+            Some(batch) => Ok(give(Ready { place, steps, batch, readings: numbers.len() as u64, numbers, last })),
             None => {
                 let (head, tail) = cones.split_at(cones.len() / 2);
                 Ok(self.split(binning, head.to_vec(), steps, place, false, limits, give)?

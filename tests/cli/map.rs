@@ -74,10 +74,16 @@ fn the_report_holds_all_that_the_documentation_lists() {
 fn the_report_lists_every_parameter_of_every_method() {
     let place = Place::new();
     place.write("laser.jsonl", LASER);
+    let labelled = SMALL.replace("\"z\":1.5", "\"z\":1.5,\"label\":1").replace("}]}", "}],\"classes\":[\"wall\"]}");
+    place.write("labelled.jsonl", labelled);
     let sensor =
         ["beta", "epsilon", "hit_range", "mounts", "no_echo_range", "r_max", "r_min", "resolution"].map(str::to_string);
     for entry in REGISTRY {
-        let log = if entry.name == "truth" { "laser.jsonl" } else { "log.jsonl" };
+        let log = match entry.name {
+            "truth" => "laser.jsonl",
+            name if name.contains("semantic") => "labelled.jsonl",
+            _ => "log.jsonl",
+        };
         let ran = place.does(&["map", log, "-o", "out", "--method", entry.name, "--backend", "cpu", "--json"]);
         let settings = Settings::of(entry.name).unwrap();
         let mut wanted: Vec<String> = settings.keys().iter().map(|k| k.name.to_string()).collect();

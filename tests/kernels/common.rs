@@ -1,17 +1,20 @@
 //! Running a scene on a backend, holding the result against the oracle, and what a failure leaves behind.
 
 use echogrid::compare::{self, compare, write_pictures};
-use echogrid::grid::{Data, GridSpec, Layer, Map, Scale};
+use echogrid::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::kernels::gpu::shader::Kernel;
 use echogrid::kernels::gpu::{Gpu, Options};
+use echogrid::layers;
 use echogrid::mapper::{BATCH, Finished, Item, Mapper, Visits, Work};
-use echogrid::method::settings::Settings;
+use echogrid::method::settings::{Csm, Settings};
 use echogrid::method::{self, Method, Step};
 use echogrid::oracle::{self, OracleMap};
 use echogrid::reading::{Counts, Reading};
+use echogrid::scan::{Scan, Scans};
 use echogrid::sensor::Sensor;
+use echogrid::whole::Scanned;
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -39,7 +42,28 @@ impl Scene {
         self.items.iter().map(|(r, _)| *r).collect()
     }
 
+    /// The items as scans, for a model with so many class labels.
+    pub fn scans(&self, csm: &Csm) -> Vec<Scan> {
+        let records = self.items.iter().map(|(r, _)| Ok(r.record));
+        let labels = if csm.semantic { csm.labels() } else { 0 };
+        Scans::new(records, &self.sensors, labels, u64::MAX, Path::new("scene")).collect::<Result<_, _>>().unwrap()
+    }
+
+    fn count(&self, csm: Csm, method: &dyn Method, backend: &mut dyn Backend, batch: usize) -> Run {
+        let (scans, here) = (self.scans(&csm), std::env::temp_dir());
+        // So little memory that beams are spilled with small batches.
+        let memory = if batch < 100 { 0 } else { u64::MAX };
+        let scans = scans.into_iter().map(Ok);
+        let scanned = Scanned::read(&self.grid, csm, scans, (&here, memory), &|_| {}).unwrap();
+        let work = scanned.apply(method, backend, batch, &|_| {}).unwrap();
+        let Finished { map, visits, .. } = layers::from_chunks(&self.grid, method, &backend.finish(method).unwrap());
+        Run { map, visits, counts: Counts::default(), work }
+    }
+
     pub fn run(&self, method: &dyn Method, backend: &mut dyn Backend, batch: usize) -> Run {
+        if let Settings::Csm(csm) = method.settings() {
+            return self.count(csm, method, backend, batch);
+        }
         let mut mapper = Mapper::new(self.grid, &self.sensors, method, backend, batch);
         // Wedges are for the laser truth alone.
         let item = |(reading, edges): &Item| (*reading, edges.filter(|_| method.settings() == Settings::Truth));
@@ -65,6 +89,9 @@ impl Scene {
     }
 
     pub fn oracle(&self, settings: Settings) -> OracleMap {
+        if let Settings::Csm(csm) = settings {
+            return oracle::map_scans(&self.grid, &self.scans(&csm), &csm);
+        }
         let wedges: Option<Vec<(f64, f64)>> = self.items.iter().map(|(_, edges)| *edges).collect();
         let wedges = wedges.filter(|_| settings == Settings::Truth);
         oracle::map(&self.grid, &self.sensors, &self.readings(), &settings, wedges.as_deref()).unwrap()
@@ -93,11 +120,46 @@ pub fn every_settings() -> Vec<(&'static str, Settings)> {
         ("himm-gro", with("himm", &[("gro", "true")])),
         ("truth", Settings::Truth),
     ]
+    .into_iter()
+    .chain(scan_settings())
+    .collect()
+}
+
+/// The counting sensor models with every choice that changes what a kernel does.
+pub fn scan_settings() -> Vec<(&'static str, Settings)> {
+    let with = |method: &str, keys: &[(&str, &str)]| {
+        let mut settings = Settings::of(method).unwrap();
+        for (key, value) in keys {
+            assert!(settings.set(key, value).unwrap(), "{method} has no {key}");
+        }
+        settings
+    };
+    let mut many = with("csm-semantic-continuous", &[("neighbours", "5")]);
+    if let Settings::Csm(csm) = &mut many {
+        let colours: Vec<[u8; 3]> = (0..=32).map(|k| [k; 3]).collect();
+        csm.palette = Palette::of(&colours).unwrap();
+    }
+    let wide = [("neighbours", "all"), ("w_beam", "40deg"), ("w_obstacle", "0.3")];
+    let nearest = [("neighbours", "1"), ("w_beam", "170deg"), ("z_max", "2")];
+    let broad = [("neighbours", "all"), ("l", "1"), ("sigma0", "2")];
+    vec![
+        ("csm-discrete", with("csm-discrete", &[("w_beam", "10deg")])),
+        ("csm-discrete-all", with("csm-discrete", &wide)),
+        ("csm-discrete-1", with("csm-discrete", &nearest)),
+        ("csm-continuous", with("csm-continuous", &[])),
+        ("csm-continuous-all", with("csm-continuous", &broad)),
+        ("csm-continuous-64", with("csm-continuous", &[("neighbours", "64"), ("z_max", "2")])),
+        ("csm-continuous-sample", with("csm-continuous", &[("free", "sample"), ("step", "0.07")])),
+        ("csm-continuous-clamp", with("csm-continuous", &[("free", "clamp"), ("l", "0.5")])),
+        ("csm-semantic-discrete", with("csm-semantic-discrete", &[("w_beam", "30deg")])),
+        ("csm-semantic-continuous", with("csm-semantic-continuous", &[])),
+        ("csm-semantic-continuous-32", many),
+    ]
 }
 
 /// Those for scenes without wedges.
 pub fn cone_settings() -> Vec<(&'static str, Settings)> {
-    every_settings().into_iter().filter(|(_, s)| *s != Settings::Truth).collect()
+    every_settings().into_iter().filter(|(_, s)| !matches!(s, Settings::Truth | Settings::Csm(_))).collect()
 }
 
 pub fn settings(name: &str) -> Settings {

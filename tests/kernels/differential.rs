@@ -1,7 +1,8 @@
 //! Oracle against cpu against gpu: which cells, to the last one; which values, within the oracle's bound in every cell.
 
-use crate::common::{Scene, assert_oracle, assert_same, cone_settings, every_settings, say, settings};
+use crate::common::{Scene, assert_oracle, assert_same, cone_settings, every_settings, say, scan_settings, settings};
 use crate::scenes;
+use echogrid::grid::GridSpec;
 use echogrid::method::settings::Settings;
 use std::time::Instant;
 
@@ -132,5 +133,22 @@ fn the_gpu_half_runs_or_says_that_it_does_not() {
     match crate::common::gpu() {
         Some(gpu) => println!("gpu: {}", gpu.found()),
         None => say("SKIPPED: every comparison with the gpu"),
+    }
+}
+
+#[test]
+fn scans() {
+    all_agree(&scenes::scans(), scan_settings());
+}
+
+/// Cells so large and so small that other beams, poses and tiles are at stake.
+#[test]
+fn scans_on_other_cells() {
+    for (resolution, i0, width) in [(0.017, -20, 300), (1.5, -2, 6)] {
+        let mut scene = scenes::scans();
+        scene.grid = GridSpec { resolution, i0, j0: i0, width, height: width - 1, ..scene.grid };
+        scene.name = format!("scans in cells of {resolution} m");
+        let names = ["csm-discrete", "csm-continuous", "csm-continuous-sample", "csm-semantic-discrete"];
+        all_agree(&scene, scan_settings().into_iter().filter(|(name, _)| names.contains(name)).collect());
     }
 }

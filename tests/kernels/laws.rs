@@ -52,6 +52,7 @@ fn run_cones(method: &dyn Method, size: [usize; 2], cones: Vec<Cone>, grid: &Gri
             mode: 0,
             scale: (grid.resolution / f64::from(CELL)) as f32,
             constants: method.constants(),
+            limits: [0; 4],
         };
         cpu.apply(method, frame, &batch, steps, &mut Vec::new()).unwrap();
     }

@@ -6,6 +6,7 @@ use echogrid::kernels::gpu::adapter::Found;
 use echogrid::kernels::gpu::shader::{self, Kernel};
 use echogrid::kernels::gpu::{Gpu, Options};
 use echogrid::layout::*;
+use echogrid::method::Unit;
 use echogrid::{mapper, method};
 use std::collections::{BTreeMap, BTreeSet};
 use std::mem::offset_of;
@@ -37,10 +38,12 @@ macro_rules! shape {
 
 fn rust_shapes() -> BTreeMap<String, Shape> {
     BTreeMap::from([
-        shape!(Frame: size mode scale constants),
+        shape!(Frame: size mode scale constants limits),
         shape!(Cone: sensor reach axis left right flags index shape profile),
         shape!(Tile: corner entries slot spare),
         shape!(Entry: cone slot),
+        shape!(Scan: pose first count number pad),
+        shape!(Beam: bound ray range id),
     ])
 }
 
@@ -92,7 +95,7 @@ fn element_types_agree() {
             checked += 1;
         }
     }
-    assert_eq!(checked, 19);
+    assert_eq!(checked, 29);
 }
 
 /// The value of every `const` of a module that is a plain number.
@@ -123,6 +126,10 @@ fn constants_agree() {
             ("ARC", number(ARC)),
             ("INSIDE", number(INSIDE)),
             ("ENTRY_SHIFT", number(ENTRY_SHIFT)),
+            ("UNIT", f64::from(UNIT)),
+            ("IDLE", number(IDLE)),
+            ("YIELD", number(YIELD)),
+            ("BEAM_SHIFT", number(BEAM_SHIFT)),
             ("FREE", number(FREE)),
             ("OCCUPY", number(OCCUPY)),
             ("COUNT", number(COUNT)),
@@ -154,8 +161,12 @@ fn every_kernel_parses_and_validates() {
             let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty());
             validator.validate(&module).unwrap_or_else(|e| panic!("{what}: {e:?}"));
             let entry: Vec<_> = module.entry_points.iter().map(|e| (e.name.as_str(), e.workgroup_size)).collect();
-            // A tile's cells, four times so many a thread; a thread a reading.
-            let threads = if kernel == Kernel::Sum { 64 } else { TILE_CELLS as u32 / (4 * groups) };
+            // A tile's cells, four times so many a thread; a thread a reading; a thread a cell.
+            let threads = match (kernel, method.unit()) {
+                (Kernel::Sum, _) => 64,
+                (_, Unit::Scan) => TILE_CELLS as u32,
+                (_, Unit::Reading) => TILE_CELLS as u32 / (4 * groups),
+            };
             assert_eq!(entry, [(kernel.name(), [threads, 1, 1])], "{what}");
             if kernel != Kernel::Sum {
                 let planes = constants(&module)["PLANES"];
@@ -194,6 +205,11 @@ fn relative(path: &Path) -> String {
 fn named<'a>(text: &'a str, before: &str, ending: &str) -> Vec<&'a str> {
     let starts = text.match_indices(before).map(|(at, _)| at);
     starts.filter_map(|at| Some(&text[at..at + text[at..].find(ending)? + ending.len()])).collect()
+}
+
+/// A method's file: the counting sensor models share one.
+fn half(entry: &method::Entry) -> String {
+    if entry.name.starts_with("csm-") { "csm".into() } else { entry.name.replace('-', "_") }
 }
 
 #[test]
@@ -240,11 +256,11 @@ fn twins_name_each_other() {
             }
         }
     }
-    // Each method's half, and layout, cone, wide, narrow, profile, tile.
-    assert_eq!(twins, method::REGISTRY.len() + 6);
-    for entry in method::REGISTRY {
-        let half = entry.name.replace('-', "_");
-        assert!(shaders.iter().any(|s| relative(s) == format!("shaders/method/{half}.wgsl")), "{}", entry.name);
+    // Each method's half, and layout, cone, wide, int64, narrow, profile, order, tile, scan, and what passes bind.
+    let halves: BTreeSet<String> = method::REGISTRY.iter().map(half).collect();
+    assert_eq!(twins, halves.len() + 11);
+    for half in halves {
+        assert!(shaders.iter().any(|s| relative(s) == format!("shaders/method/{half}.wgsl")), "{half}");
     }
 }
 
@@ -255,7 +271,11 @@ fn a_whole_dispatch_on_the_noop_backend() {
         if method.cpu_only().is_some() {
             continue;
         }
-        let scene = if name == "truth" { scenes::wide_fans() } else { scenes::wide() };
+        let scene = match name {
+            "truth" => scenes::wide_fans(),
+            _ if method.unit() == Unit::Scan => scenes::scans(),
+            _ => scenes::wide(),
+        };
         let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
         let limits = device.limits();
         let found = Found {

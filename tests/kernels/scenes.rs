@@ -287,3 +287,52 @@ pub fn real_lasers(step: u64) -> Option<Scene> {
     let grid = around(&sensors, &readings, 0.05);
     Some(Scene { name: "sonar_ring_8-test1 laser".into(), grid, sensors, items })
 }
+
+/// Scans of labelled beams that go where real ones rarely do: poses on a lattice, so that many are as near as others, some at one
+/// place, some on a cell's centre; beams along the axes, in one direction, opposite, alone; mounts away from the robot's centre;
+/// readings that came back from nowhere, and from the sensor itself.
+pub fn scans() -> Scene {
+    let mut random = Random::new(5);
+    let sensors = vec![
+        Sensor { no_echo_range: 0.0, r_min: 0.0, ..laser(0.5, 40.0) },
+        Sensor { no_echo_range: 0.0, ..sonar(12.0, 0.0, 4.0) },
+    ];
+    let grid = GridSpec { anchor: (0.0, 0.0), resolution: 0.1, i0: -3, j0: 2, width: 43, height: 37 };
+    let mut items: Vec<Item> = Vec::new();
+    for scan in 0..150u64 {
+        let lattice = |random: &mut Random| 0.05 * f64::from(random.below(80));
+        let robot = match scan % 7 {
+            0 => Pose { x: 1.65, y: 1.85, heading: 0.3 },
+            1 => Pose { x: random.within(-1.0, 5.0), y: random.within(-1.0, 5.0), heading: random.within(-4.0, 4.0) },
+            _ => Pose { x: lattice(&mut random), y: lattice(&mut random), heading: 0.0 },
+        };
+        let count = [1, 2, 3, 8, 24, 60][random.below(6) as usize];
+        let quarter = std::f64::consts::FRAC_PI_2;
+        for beam in 0..count {
+            let bearing = match scan % 5 {
+                0 => quarter * f64::from(random.below(5)),
+                1 => random.within(-3.2, 3.2),
+                2 if count == 2 => f64::from(beam) * 2.0 * quarter,
+                _ => -quarter + 2.0 * quarter * f64::from(beam) / f64::from(count.max(2) - 1),
+            };
+            let range = match random.below(20) {
+                0 => f64::INFINITY,
+                1 => 0.0,
+                2 => 35.0,
+                3 => 0.05 * f64::from(random.below(60)),
+                _ => random.within(0.2, 3.5),
+            };
+            let sonars = scan % 11 == 3;
+            let pose = if sonars {
+                robot.compose(0.2 * bearing.cos(), 0.2 * bearing.sin(), bearing)
+            } else {
+                robot.compose(0.0, 0.0, bearing)
+            };
+            let label = Some(random.below(7) as u16).filter(|l| *l > 0);
+            let sensor = u32::from(sonars);
+            let record = Record { t: 0.0, scan, sensor, robot, pose, range, label, line: scan + 1 };
+            items.push((Reading { record, outcome: Outcome::Hit, range }, None));
+        }
+    }
+    Scene { name: "scans".into(), grid, sensors, items }
+}

@@ -31,7 +31,7 @@ pub fn map(width: usize, height: usize) -> Map {
         layer("touched", Data::U8(touched), 0.0, Scale::Grey { low: 0.0, high: 1.0 }),
         layer("class", Data::I8(class), 0.0, Scale::Signed { limit: 1.0 }),
     ];
-    Map { grid, method: "bayes".into(), layers, updates: 1234 }
+    Map { grid, method: "bayes".into(), layers, updates: 1234, increments: Vec::new() }
 }
 
 pub fn info() -> RunInfo {
@@ -44,7 +44,7 @@ pub fn info() -> RunInfo {
         backend: "cpu".into(),
         adapter: None,
         bad_lines: BadLines { count: 1, first: vec!["logs/a.csv:3: no range".into()] },
-        increments: None,
+        classes: Vec::new(),
     }
 }
 

@@ -16,7 +16,7 @@ pub fn map_at(i0: i64, j0: i64, width: usize, class: &[i8]) -> Map {
     let grid = GridSpec { anchor: (0.0, 0.0), resolution: 0.1, i0, j0, width, height: class.len() / width };
     let touched = layer("touched", Data::U8(vec![1; class.len()]));
     let layers = vec![touched, layer("class", Data::I8(class.to_vec()))];
-    Map { grid, method: "hand".into(), layers, updates: 0 }
+    Map { grid, method: "hand".into(), layers, updates: 0, increments: Vec::new() }
 }
 
 pub fn map(class: &[i8]) -> Map {

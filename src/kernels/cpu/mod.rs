@@ -2,9 +2,11 @@
 
 mod gro;
 mod reach;
+mod scan;
 mod walk;
 
 pub use reach::Reached;
+pub use scan::walk_scans;
 pub use walk::{Job, Kernel, Plane, walk};
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
@@ -187,7 +189,8 @@ fn run(
     }
     work.into_par_iter().for_each(|(tile, cells)| {
         let entries = &list.entries[tile.entries[0] as usize..tile.entries[1] as usize];
-        method.run(pass, &Job { frame, cones: &batch.cones, tile, entries, parts, shares }, cells);
+        let Batch { cones, scans, beams, centres, .. } = batch;
+        method.run(pass, &Job { frame, cones, tile, entries, parts, shares, scans, beams, centres }, cells);
     });
 }
 

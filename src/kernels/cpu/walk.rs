@@ -21,6 +21,12 @@ pub struct Job<'a> {
     pub parts: &'a [AtomicU32],
     /// What the pass before found, for each cone.
     pub shares: &'a [[u32; 4]],
+    /// The batch's scans, for methods that take them, …
+    pub scans: &'a [Scan],
+    /// … their beams, …
+    pub beams: &'a [Beam],
+    /// … and the centres of the chunk's columns and rows.
+    pub centres: &'a [i32],
 }
 
 /// A method's CPU half: the state of a row of cells, and what a reading does to it.

@@ -9,7 +9,7 @@ pub mod shader;
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
 use crate::batch::{Batch, ChunkList};
-use crate::layout::{CHUNK, Cone, Entry, Frame};
+use crate::layout::{CHUNK, Cone, Entry, Frame, Tile};
 use crate::method::{self, Method, Step};
 use crate::{Error, Result};
 use adapter::Found;
@@ -48,15 +48,17 @@ pub struct Gpu {
 /// A tile's part of a reading's sum: a number for each group of four cells.
 const PART_BYTES: usize = 64 * size_of::<f32>();
 
-/// A chunk's buffers for one batch.
+/// A chunk's buffers for one batch, or, where an adapter doesn't bind all of its cells at once, those of some of its tiles.
 struct ChunkBuffers {
     tiles: wgpu::Buffer,
     entries: wgpu::Buffer,
     groups: u32,
     place: [u32; 2],
+    /// Which of the cells' bytes they are: from where, how many.
+    cells: (u64, u64),
 }
 
-/// A batch's buffers.
+/// A batch's buffers; of scans where a method takes them: the scans themselves, the centres of the cells, the beams.
 struct BatchBuffers {
     cones: wgpu::Buffer,
     parts: wgpu::Buffer,
@@ -86,24 +88,48 @@ impl Gpu {
         &self.device.found
     }
 
-    fn upload(&self, batch: &Batch, sums: bool, shares_so_far: &Shares) -> BatchBuffers {
+    fn upload(&self, method: &dyn Method, batch: &Batch, sums: bool, shares_so_far: &Shares) -> BatchBuffers {
         let input = Usage::STORAGE | Usage::COPY_DST;
         let device = &self.device;
         let slots = batch.first_part.last().copied().unwrap_or(0) as usize;
         let parts = if sums { slots * PART_BYTES } else { batch.cones.len() * size_of::<u32>() };
-        let chunk = |list: &ChunkList| ChunkBuffers {
-            tiles: device.buffer("tiles", &list.tiles, input),
-            entries: device.buffer("entries", &list.entries, input),
-            groups: list.tiles.len() as u32,
-            place: [list.place[1], list.place[0]],
+        let (tile, slots) = ((method::tile_words(method) * size_of::<u32>()) as u64, self.slots(method) as u32);
+        let part = |list: &ChunkList, first: u32| {
+            let within = |t: &&Tile| (first..first + slots).contains(&t.slot);
+            let tiles: Vec<Tile> =
+                list.tiles.iter().filter(within).map(|t| Tile { slot: t.slot - first, ..*t }).collect();
+            ChunkBuffers {
+                tiles: device.buffer("tiles", &tiles, input),
+                entries: device.buffer("entries", &list.entries, input),
+                groups: tiles.len() as u32,
+                place: [list.place[1], list.place[0]],
+                cells: (u64::from(first) * tile, u64::from(slots) * tile),
+            }
         };
+        let chunk = |list| (0..(CHUNK * CHUNK) as u32).step_by(slots as usize).map(move |first| part(list, first));
         BatchBuffers {
-            cones: device.buffer("cones", &batch.cones, input),
+            cones: match batch.scans.is_empty() {
+                true => device.buffer("cones", &batch.cones, input),
+                false => device.buffer("scans", &batch.scans, input),
+            },
             parts: device.zeros("parts", parts as u64),
-            shares: device.buffer("shares", shares_so_far, input | Usage::COPY_SRC),
-            first_part: device.buffer("first_part", &batch.first_part, input),
-            chunks: batch.chunks.iter().map(chunk).collect(),
+            shares: match batch.scans.is_empty() {
+                true => device.buffer("shares", shares_so_far, input | Usage::COPY_SRC),
+                false => device.buffer("centres", &batch.centres, input),
+            },
+            first_part: match batch.scans.is_empty() {
+                true => device.buffer("first_part", &batch.first_part, input),
+                false => device.buffer("beams", &batch.beams, input),
+            },
+            chunks: batch.chunks.iter().flat_map(chunk).filter(|c| c.groups > 0).collect(),
         }
+    }
+
+    /// Tiles of a chunk whose cells are bound at once: all, or where they are more than the adapter binds a half, a quarter, …
+    fn slots(&self, method: &dyn Method) -> usize {
+        let bytes = |slots: usize| (method::tile_words(method) * size_of::<u32>() * slots) as u64;
+        let fits = |slots: &usize| *slots == 1 || bytes(*slots) <= self.found().binding;
+        std::iter::successors(Some(CHUNK * CHUNK), |slots| Some(slots / 2)).find(fits).unwrap_or(1)
     }
 
     fn healthy(&self) -> Result<()> {
@@ -117,11 +143,11 @@ impl Gpu {
         }
         let (found, tiles) = (self.found(), CHUNK * CHUNK);
         let chunk = (method::tile_words(method) * 4 * tiles) as u64;
-        if chunk > found.binding || (found.workgroups as usize) < tiles {
+        if chunk > found.buffer || (found.workgroups as usize) < tiles {
             return Err(Error::NoAdapter(format!(
-                "{found} binds at most {} bytes and {} workgroups; a chunk of {} needs {chunk} and {tiles}: use \
+                "{found} gives at most {} bytes and {} workgroups; a chunk of {} needs {chunk} and {tiles}: use \
                  --backend cpu",
-                found.binding,
+                found.buffer,
                 found.workgroups,
                 method::name(method)
             )));
@@ -178,13 +204,18 @@ impl Backend for Gpu {
             }
         }
         shares_so_far.resize(batch.cones.len(), [0; 4]);
-        let buffers = self.upload(batch, steps.contains(&Step::Sum), shares_so_far);
+        let buffers = self.upload(method, batch, steps.contains(&Step::Sum), shares_so_far);
         let mut encoder = self.device.encoder();
         let mut record = |encoder: &mut _, kernel: Kernel, frame: Frame, chunk: &ChunkBuffers, groups| {
             let Some(state) = self.chunks.get(&chunk.place) else { return };
             let frame = self.device.buffer("frame", &[frame], Usage::UNIFORM);
             let b = &buffers;
-            let bound = [&frame, &b.cones, &chunk.tiles, &chunk.entries, state, &b.parts, &b.shares, &b.first_part];
+            let (offset, size) = chunk.cells;
+            let cells = wgpu::BufferBinding { buffer: state, offset, size: std::num::NonZero::new(size) };
+            let [frame, cones, tiles, entries, parts, shares, first_part] =
+                [&frame, &b.cones, &chunk.tiles, &chunk.entries, &b.parts, &b.shares, &b.first_part]
+                    .map(wgpu::Buffer::as_entire_buffer_binding);
+            let bound = [frame, cones, tiles, entries, cells, parts, shares, first_part];
             let stamps = self.timer.as_mut().and_then(|t| t.writes(kernel.name()));
             self.passes.record(&self.device, encoder, key(method, kernel, needs), bound, groups, stamps);
         };

@@ -1,10 +1,11 @@
-//! Pipelines, made when they are first needed, and the recording of a pass.
+//! Pipelines, made when they are first needed, and the recording of a pass; what passes bind is twin of
+//! `shaders/driver/readings.wgsl` and of `shaders/driver/scans.wgsl`.
 
 use super::Options;
 use super::device::Device;
 use super::shader::{self, Kernel};
 use crate::layout::{BROAD, Cone, WIDE};
-use crate::method::{self, Method};
+use crate::method::{self, Method, Unit};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -30,11 +31,11 @@ impl Needs {
 }
 
 /// A pipeline: the method, its kernel, what its readings ask, its variant.
-pub type Key = (&'static str, Kernel, Needs, bool);
+pub type Key = (&'static str, Kernel, Needs, bool, String);
 
 /// The pipeline of a method's kernel.
 pub fn key(method: &dyn Method, kernel: Kernel, needs: Needs) -> Key {
-    (method::name(method), kernel, needs, method.variant().is_some_and(|v| v.1))
+    (method::name(method), kernel, needs, method.variant().is_some_and(|v| v.1), method.declarations())
 }
 
 /// The pipelines, and the one layout of their bindings.
@@ -90,7 +91,8 @@ impl Passes {
         for (from, to) in &self.options.patches {
             source = source.replace(from, to);
         }
-        let overrides = method.variant().into_iter().chain([("BROAD_BEAMS", needs.broad)]);
+        let cones = method.unit() == Unit::Reading;
+        let overrides = method.variant().into_iter().chain(cones.then_some(("BROAD_BEAMS", needs.broad)));
         let constants: Vec<_> =
             overrides.filter(|_| kernel != Kernel::Sum).map(|(name, on)| (name, f64::from(on))).collect();
         let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -126,14 +128,14 @@ impl Passes {
         device: &Device,
         encoder: &mut wgpu::CommandEncoder,
         key: Key,
-        bound: [&wgpu::Buffer; 8],
+        bound: [wgpu::BufferBinding; 8],
         groups: u32,
         timestamp_writes: Option<wgpu::ComputePassTimestampWrites>,
     ) {
         let Some(pipeline) = self.pipelines.get(&key) else { return };
         let entries: Vec<_> = (0..)
             .zip(bound)
-            .map(|(binding, b)| wgpu::BindGroupEntry { binding, resource: b.as_entire_binding() })
+            .map(|(binding, b)| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::Buffer(b) })
             .collect();
         let label = Some(key.1.name());
         let group = device.device.create_bind_group(&wgpu::BindGroupDescriptor {

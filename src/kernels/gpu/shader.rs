@@ -1,12 +1,17 @@
 //! WGSL by plain concatenation: layout, cone, profile, method, driver; function names are the interface.
 
-use crate::method::{self, Method, Pass};
+use crate::method::{self, Method, Pass, Unit};
 
 const LAYOUT: &str = include_str!("../../../shaders/layout.wgsl");
 const CONE: &str = include_str!("../../../shaders/cone.wgsl");
+const INT64: &str = include_str!("../../../shaders/int64.wgsl");
 const WIDE: &str = include_str!("../../../shaders/wide.wgsl");
 const NARROW: &str = include_str!("../../../shaders/narrow.wgsl");
 const PROFILE: &str = include_str!("../../../shaders/profile.wgsl");
+const READINGS: &str = include_str!("../../../shaders/driver/readings.wgsl");
+const SCANS: &str = include_str!("../../../shaders/driver/scans.wgsl");
+const ORDER: &str = include_str!("../../../shaders/scan/order.wgsl");
+const SCAN: &str = include_str!("../../../shaders/driver/scan.wgsl");
 const TILE: &str = include_str!("../../../shaders/driver/tile.wgsl");
 const FUSE: &str = include_str!("../../../shaders/driver/fuse.wgsl");
 const WEIGH: &str = include_str!("../../../shaders/driver/weigh.wgsl");
@@ -51,16 +56,19 @@ impl Kernel {
 /// The whole WGSL of a method's kernel; `wide`: for batches with readings that reach farther than 1024 cells; `groups`: how
 /// many times four cells a thread owns, 1 to 16 and a power of two.
 pub fn source(method: &dyn Method, kernel: Kernel, wide: bool, groups: u32) -> String {
-    let reach = if wide { WIDE } else { NARROW };
     let half = method::REGISTRY.iter().find(|e| e.name == method::name(method)).map_or("", |e| e.wgsl);
+    if method.unit() == Unit::Scan {
+        return [LAYOUT, SCANS, INT64, ORDER, &method.declarations(), half, SCAN].join("\n");
+    }
+    let reach = if wide { [INT64, WIDE].join("\n") } else { NARROW.into() };
     let driver = match kernel {
         Kernel::Weigh => WEIGH,
         Kernel::Count => COUNT,
         Kernel::Fuse => FUSE,
-        Kernel::Sum => return [LAYOUT, SUM].join("\n"),
+        Kernel::Sum => return [LAYOUT, READINGS, SUM].join("\n"),
     };
     let threads = format!("const THREADS: u32 = {}u;", 64 / groups);
-    [LAYOUT, CONE, reach, PROFILE, half, &threads, TILE, &each(driver, groups)].join("\n")
+    [LAYOUT, READINGS, CONE, &reach, PROFILE, half, &threads, TILE, &each(driver, groups)].join("\n")
 }
 
 /// Writes the lines between `// each GROUP` and `// end` once for each group: loops over arrays that a thread owns end up

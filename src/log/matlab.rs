@@ -1,0 +1,183 @@
+//! MATLAB's `.mat` files, version 5, with laser scans as hit points: `robotPose`, a struct of x, y and h, a number a scan;
+//! `laserScan`, a cell a scan, of 2 × N hit points in the robot's frame, or 3 × N with class labels in the third row.
+//!
+//! A "line" of such a log is a scan, counted from 1.
+
+use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose, lasers_only};
+use super::input::Input;
+use super::{BadLine, Problem};
+use crate::classes::Classes;
+use crate::reading::{Pose, Record};
+use crate::sensor::{Description, Kind};
+use crate::{Error, Result};
+use array::{Array, Variables};
+use std::io::Read;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+mod array;
+
+/// Half the usual beam spacing of such lasers, degrees.
+const HALF_WIDTH: f64 = 0.5;
+
+/// The format.
+pub(crate) struct Matlab;
+
+impl Format for Matlab {
+    fn name(&self) -> &'static str {
+        "matlab"
+    }
+
+    fn looks(&self) -> &'static str {
+        "a MATLAB .mat file (version 5) with robotPose and laserScan"
+    }
+
+    fn claims(&self, probe: &Probe<'_>) -> bool {
+        matches!(probe, Probe::Text(text) if text.starts_with("MATLAB 5.0 MAT-file") || text.starts_with("MATLAB 7.3 MAT-file"))
+    }
+
+    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
+        let Place::File(input) = place else { return Err(Error::Usage("a .mat log is a file".into())) };
+        lasers_only(input, kind, self.name())?;
+        let fail = |what: String| Error::input(input.path(), what);
+        let mut bytes = Vec::new();
+        let read = input.reader()?.read_to_end(&mut bytes);
+        read.map_err(|e| fail(format!("can't be read: {e}")))?;
+        if bytes.starts_with(b"MATLAB 7.3") {
+            let what = "is a version 7.3 file (HDF5): load it in MATLAB and save it with save(name, '-v7')";
+            return Err(fail(what.into()));
+        }
+        let found = array::read(&bytes, &["robotPose", "laserScan"]).map_err(fail)?;
+        let log = MatLog::of(input, found).map_err(fail)?;
+        Ok(Box::new(log))
+    }
+}
+
+/// A scan: the robot's pose, and the points that it hit, with labels.
+type Points = (Pose, Array);
+
+struct MatLog {
+    input: Input,
+    scans: Arc<Vec<Points>>,
+    sensors: Vec<Description>,
+    classes: Vec<String>,
+}
+
+impl MatLog {
+    fn of(input: &Input, found: Variables) -> std::result::Result<MatLog, String> {
+        let Variables { mut wanted, names } = found;
+        let holds = if names.is_empty() { "nothing".into() } else { names.join(", ") };
+        let mut take = |name: &str, what: &str| {
+            wanted.remove(name).ok_or_else(|| format!("has no variable {name} ({what}); it holds {holds}"))
+        };
+        let pose = take("robotPose", "a struct of x, y and h")?;
+        let scans = take("laserScan", "a cell of 2 × N or 3 × N points for each scan")?;
+        let Array::Struct(fields) = pose else {
+            return Err(format!("robotPose is {pose}, not a struct of x, y and h"));
+        };
+        let column = |name: &str| match fields.iter().find(|(n, _)| n == name) {
+            Some((_, Array::Numbers { values, .. })) => Ok(values),
+            Some((_, other)) => Err(format!("robotPose.{name} is {other}, not numbers")),
+            None => {
+                let there: Vec<&str> = fields.iter().map(|(n, _)| n.as_str()).collect();
+                Err(format!("robotPose has no field {name}; it has {}", there.join(", ")))
+            }
+        };
+        let (x, y, h) = (column("x")?, column("y")?, column("h")?);
+        let Array::Cells(cells) = scans else { return Err(format!("laserScan is {scans}, not a cell of scans")) };
+        if [x.len(), y.len(), h.len()] != [cells.len(); 3] {
+            let (x, y, h, n) = (x.len(), y.len(), h.len(), cells.len());
+            return Err(format!("robotPose has {x} x, {y} y and {h} h for {n} scans in laserScan: as many are wanted"));
+        }
+        let labelled = cells.iter().any(|c| matches!(c, Array::Numbers { rows: 3, .. }));
+        let rooms = Classes::rooms().map_err(|e| e.to_string())?;
+        let classes = if labelled { rooms.names[..rooms.count()].to_vec() } else { Vec::new() };
+        let poses = x.iter().zip(y).zip(h).map(|((x, y), h)| Pose { x: *x, y: *y, heading: *h });
+        let laser = Description {
+            id: Some("laser".into()),
+            kind: Some(Kind::Laser),
+            half_width: Some(HALF_WIDTH.to_radians()),
+            ..Description::default()
+        };
+        Ok(MatLog { input: input.clone(), scans: Arc::new(poses.zip(cells).collect()), sensors: vec![laser], classes })
+    }
+}
+
+impl Source for MatLog {
+    fn sensors(&self) -> &[Description] {
+        &self.sensors
+    }
+
+    fn has_beams(&self) -> bool {
+        false
+    }
+
+    fn classes(&self) -> &[String] {
+        &self.classes
+    }
+
+    fn inputs(&self) -> Vec<&Input> {
+        vec![&self.input]
+    }
+
+    fn scans(&self, sensors: Arc<[Mounted]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>> {
+        Ok(Box::new(Pass { scans: self.scans.clone(), next: 0, sensors, ignored }))
+    }
+}
+
+struct Pass {
+    scans: Arc<Vec<Points>>,
+    next: usize,
+    sensors: Arc<[Mounted]>,
+    ignored: Arc<AtomicU64>,
+}
+
+impl Scans for Pass {
+    fn fill(&mut self, items: &mut Items) -> bool {
+        let Some((robot, points)) = self.scans.get(self.next) else { return false };
+        let (scan, line) = (self.next as u64, self.next as u64 + 1);
+        self.next += 1;
+        let bad = |what: String| Err(Problem::Line(BadLine { line, what: format!("scan {line}: {what}") }));
+        if let Err(what) = check_pose("the robot's", robot) {
+            items.push_back(bad(what));
+            return true;
+        }
+        match points {
+            // A scan without a beam says nothing.
+            Array::Numbers { values, .. } if values.is_empty() => {
+                self.ignored.fetch_add(1, Ordering::Relaxed);
+            }
+            Array::Numbers { rows: rows @ (2 | 3), values } => {
+                for (beam, point) in values.chunks_exact(*rows).enumerate() {
+                    match record(&self.sensors, robot, point, scan) {
+                        Ok(record) => items.push_back(Ok(record)),
+                        Err(what) => items.push_back(bad(format!("beam {}: {what}", beam + 1))),
+                    }
+                }
+            }
+            other => items.push_back(bad(format!("{other}, not 2 × N or 3 × N points"))),
+        }
+        true
+    }
+}
+
+fn record(sensors: &[Mounted], robot: &Pose, point: &[f64], scan: u64) -> std::result::Result<Record, String> {
+    let label = match point.get(2) {
+        None => None,
+        Some(label) if label.fract() == 0.0 && (1.0..65536.0).contains(label) => Some(*label as u16),
+        Some(label) => return Err(format!("label {label}: labels are whole numbers from 1")),
+    };
+    let mounted = sensors.first().ok_or("no sensor")?;
+    let off = point[1].atan2(point[0]);
+    let given = Pose { heading: robot.heading + off, ..*robot };
+    Ok(Record {
+        t: scan as f64,
+        scan,
+        sensor: 0,
+        robot: *robot,
+        pose: mounted.pose(robot, Some(given), if mounted.placed { off } else { 0.0 }),
+        range: point[0].hypot(point[1]),
+        label,
+        line: scan + 1,
+    })
+}
