@@ -6,8 +6,10 @@
 use crate::Result;
 use crate::mapper::Finished;
 use crate::method::Unit;
-use crate::oracle::{OracleMap, cells_of};
+use crate::method::settings::Settings;
+use crate::oracle::{OracleMap, beams_of, cells_of};
 use crate::reading::Reading;
+use crate::scan::Scan;
 use crate::session::Session;
 use crate::snap::Edges;
 use serde::Serialize;
@@ -124,11 +126,11 @@ pub fn check(
     seconds: f64,
 ) -> Result<BackendCheck> {
     let visits = &finished.visits;
-    let readings = session.all()?;
+    let seen = Seen::of(session)?;
     let cell = |k: usize, oracle: f64, value: f64, bound: f64| -> Result<Cell> {
         let (column, row) = (k % session.grid.width, k / session.grid.width);
         let (x, y) = session.grid.centre(column, row);
-        let last_readings = last_readings(session, &readings, column, row)?;
+        let last_readings = last_readings(session, &seen, column, row)?;
         Ok(Cell { column, row, x, y, oracle, value, difference: apart(oracle, value), bound, last_readings })
     };
     let differs = |k: &usize| {
@@ -209,17 +211,42 @@ pub fn same_bytes(a: &Finished, b: &Finished) -> bool {
     a.map.layers.len() == b.map.layers.len() && (0..a.map.layers.len()).all(same) && a.visits == b.visits
 }
 
+/// A session's readings, to say which of them reached a cell.
+struct Seen {
+    readings: Vec<Reading>,
+    wedges: Option<Vec<Edges>>,
+    /// For a method that takes scans.
+    scans: Option<Vec<Scan>>,
+}
+
+impl Seen {
+    fn of(session: &Session) -> Result<Seen> {
+        if session.method.unit() == Unit::Scan {
+            let scans = session.scans()?.collect::<Result<_>>()?;
+            return Ok(Seen { readings: Vec::new(), wedges: None, scans: Some(scans) });
+        }
+        let (readings, wedges) = session.all()?;
+        Ok(Seen { readings, wedges, scans: None })
+    }
+}
+
 /// The last three readings that reached a cell, the last first.
 fn last_readings(
     session: &Session,
-    (readings, wedges): &(Vec<Reading>, Option<Vec<Edges>>),
+    Seen { readings, wedges, scans }: &Seen,
     column: usize,
     row: usize,
 ) -> Result<Vec<LastReading>> {
     const LAST: usize = 3;
-    // Which beams speak of a cell is decided among all scans, not reading by reading.
-    if session.method.unit() == Unit::Scan {
-        return Ok(Vec::new());
+    if let (Settings::Csm(csm), Some(scans)) = (session.method.settings(), scans) {
+        let beams = beams_of(&session.grid, scans, &csm, (column, row));
+        let reading = |(scan, beam): &(usize, usize)| {
+            let ray = &scans[*scan].rays[*beam];
+            let (sensor, line) = ray.source;
+            let sensor = session.sensors()[sensor as usize].id.clone();
+            LastReading { line, sensor, range: ray.range.unwrap_or(f64::INFINITY) }
+        };
+        return Ok(beams.iter().rev().take(LAST).map(reading).collect());
     }
     let (x, y) = session.grid.centre(column, row);
     let mut last = Vec::new();

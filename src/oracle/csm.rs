@@ -268,25 +268,12 @@ fn chosen(grid: &GridSpec, places: &[Place], csm: &Csm, at: (usize, usize)) -> V
 /// The map of a log's scans, in their order, by a counting sensor model.
 pub fn map_scans(grid: &GridSpec, scans: &[Scan], csm: &Csm) -> OracleMap {
     let places: Vec<Place> = scans.iter().map(|s| place(s, csm)).collect();
-    let farthest = round(csm.z_max * 1e6).pow(2);
     let start =
         Cell { alpha: vec![0.0; csm.labels() + 1], bound: vec![0.0; csm.labels() + 1], interior: 0, arc: 0, marks: 0 };
     let cell = |k: usize| {
-        let (x, y) = grid.centre(k % grid.width, k / grid.width);
-        let centre = [round(x * 1e6), round(y * 1e6)];
-        let from = |p: &Place| [centre[0] - p.pose[0], centre[1] - p.pose[1]];
-        let mut near: Vec<(i128, usize)> = places.iter().enumerate().map(|(k, p)| (dot(from(p), from(p)), k)).collect();
-        if let Some(n) = csm.neighbours.map(usize::from).filter(|n| *n < near.len()) {
-            near.select_nth_unstable(n);
-            near.truncate(n);
-        }
-        near.retain(|(d, _)| *d > 0 && *d < farthest);
-        near.sort_by_key(|(_, scan)| *scan);
         let mut cell = start.clone();
-        for (_, scan) in near {
-            let (beams, v) = (&places[scan].beams, from(&places[scan]));
-            let beam = nearest(beams, v);
-            cell.see(csm, grid.resolution, scan, (beam, &beams[beam]), v);
+        for (scan, beam, v) in chosen(grid, &places, csm, (k % grid.width, k / grid.width)) {
+            cell.see(csm, grid.resolution, scan, (beam, &places[scan].beams[beam]), v);
         }
         cell
     };

@@ -22,7 +22,7 @@ mod real_log;
 #[cfg(test)]
 mod vectors;
 
-pub use csm::map_scans;
+pub use csm::{beams_of, map_scans};
 pub use working::{Working, WorkingCell, working};
 
 use crate::grid::GridSpec;

@@ -243,7 +243,7 @@ fn bench_gives_figures_for_every_method() {
     assert!(lines[1].starts_with("at most ") && lines[1].contains(" GFLOP/s (fused), "), "{}", lines[1]);
     // Four workloads and the log, twice.
     assert_eq!(lines.len(), 3 + 2 * 5, "{}", ran.out);
-    assert!(lines[7].starts_with("himm             log.jsonl, 5 cm"), "{}", lines[7]);
+    assert!(lines[7].starts_with("himm                     log.jsonl, 5 cm"), "{}", lines[7]);
 }
 
 #[test]
@@ -316,7 +316,7 @@ fn demo_maps_and_scores_a_corridor_by_every_method() {
         dangers.push(danger);
     }
     // what the text under the table says
-    assert!(dangers[4] < 0.5 * dangers[2], "{dangers:?}");
+    assert!(dangers[dangers.len() - 1] < 0.5 * dangers[2], "{dangers:?}");
     let seconds = ran.out.split(" In ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
     assert!(seconds < 10.0, "{seconds} s");
     let page = std::fs::read_to_string(place.path("deep/demo/score/score.html")).unwrap();
