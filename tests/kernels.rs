@@ -5,6 +5,8 @@
 
 #[path = "kernels/common.rs"]
 mod common;
+#[path = "kernels/csm.rs"]
+mod csm;
 #[path = "kernels/differential.rs"]
 mod differential;
 #[path = "kernels/faults.rs"]

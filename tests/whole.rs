@@ -62,6 +62,8 @@ fn every_settings() -> Vec<(&'static str, Settings)> {
         ("dempster-shafer, murphy", set("dempster-shafer", &[("model", "murphy")])),
         ("bayes", set("bayes", &[])),
         ("himm", set("himm", &[])),
+        ("csm-discrete", set("csm-discrete", &[("w_beam", "20deg")])),
+        ("csm-continuous, all", set("csm-continuous", &[("neighbours", "all"), ("z_max", "6")])),
     ]
 }
 

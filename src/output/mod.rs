@@ -2,12 +2,14 @@
 //! writes into the folder it is given, and [`Folder`] alone decides when that folder becomes the user's.
 
 mod check;
+mod figure;
 mod folder;
 mod npy;
 mod png;
 mod raster;
 mod report;
 mod ros;
+pub(crate) mod svg;
 mod working;
 mod writer;
 mod zarr;

@@ -13,7 +13,7 @@ use std::path::Path;
 /// Wider or taller pictures are reduced, so that a viewer can open them.
 const LARGEST: usize = 4096;
 /// Palette entry 0: cells that no reading reached, and values that are no number.
-const UNTOUCHED: [u8; 3] = [168, 180, 196];
+pub(super) const UNTOUCHED: [u8; 3] = [168, 180, 196];
 /// The colour of class 0: cells that readings reached, and that are undecided.
 const UNDECIDED: [u8; 3] = [128; 3];
 /// Palette entry of a signed scale's zero; entries 1 to 255 are the scale from low to high.
@@ -87,6 +87,12 @@ fn entry(scale: Scale, value: f64) -> u8 {
         Scale::Signed { limit } => (f64::from(MIDDLE) + (value / limit * 127.0).round().clamp(-127.0, 127.0)) as u8,
         Scale::Classes(_) => 1 + value.clamp(0.0, 254.0) as u8,
     }
+}
+
+/// A value's colour on a scale.
+pub(super) fn colour(scale: Scale, value: f64) -> [u8; 3] {
+    let (entry, palette) = (usize::from(entry(scale, value)), palette(scale));
+    [palette[3 * entry], palette[3 * entry + 1], palette[3 * entry + 2]]
 }
 
 /// 256 colours: untouched, then the scale from low to high.

@@ -3,7 +3,7 @@
 
 use super::raster::{Block, Raster};
 use super::report::{self, Tally};
-use super::{Report, RunInfo, npy, png, ros, unwritable, zarr};
+use super::{Report, RunInfo, figure, npy, png, ros, unwritable, zarr};
 use crate::grid::{Data, GridSpec, Layer, Map};
 use crate::whole::{EDGE, Place, part, places};
 use crate::{Error, Result};
@@ -189,6 +189,7 @@ impl MapWriter {
         for (raster, head) in self.canvases.iter().zip(heads) {
             save(raster, &picture(&head.name), head)?;
         }
+        figure::write(&self.place, outline, &info.classes)?;
         let unreached: BTreeMap<Place, Tally> = places(&outline.grid)
             .filter(|at| !self.done.contains_key(at))
             .map(|at| (at, Tally::unreached(&outline.heads, part(&outline.grid, at).cells())))

@@ -1,6 +1,7 @@
 //! A histogram of error levels as SVG.
 
 use super::picture::colour;
+use crate::output::svg::escape;
 
 const WIDTH: f64 = 520.0;
 const HEIGHT: f64 = 260.0;
@@ -61,9 +62,4 @@ pub(super) fn histogram(title: &str, levels: &[u64; 10]) -> String {
         HEIGHT - 2.0
     );
     svg + "</svg>\n"
-}
-
-/// Text as HTML and SVG take it.
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,9 +1,10 @@
 //! What a score leaves to look at: error plots, histograms, and one HTML file that holds them all.
 
-use super::chart::{escape, histogram};
+use super::chart::histogram;
 use super::picture::Window;
 use super::table::{labels, rows};
 use super::{Check, Score, picture};
+use crate::output::svg::{base64, escape};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -111,32 +112,9 @@ fn file_names(labels: &[String]) -> Vec<String> {
     names
 }
 
-/// RFC 4648's base64, as data URIs take it.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for three in bytes.chunks(3) {
-        let word = (0..3).fold(0u32, |w, k| w << 8 | u32::from(three.get(k).copied().unwrap_or(0)));
-        for k in 0..4 {
-            let digit = DIGITS[(word >> (18 - 6 * k) & 63) as usize] as char;
-            text.push(if k <= three.len() { digit } else { '=' });
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_as_in_rfc_4648() {
-        let cases = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
-        for (plain, coded) in cases {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
-        assert_eq!(base64(&[0xfb, 0xff, 0xfe]), "+//+");
-    }
 
     #[test]
     fn file_names_are_plain_and_differ() {

@@ -251,6 +251,10 @@ pub fn against_oracle(run: &Run, oracle: &OracleMap) -> Vec<String> {
             wrong.push(format!("{what} updates: {n} cells differ; worst {at}: {} for {}", mine[k], theirs[k]));
         }
     }
+    let differ = run.visits.marks.iter().zip(&oracle.marks).filter(|(a, b)| a != b).count();
+    if differ > 0 || run.visits.marks.len() != oracle.marks.len() {
+        wrong.push(format!("marks: {differ} cells differ"));
+    }
     let tallies = [
         ("updates", run.map.updates, oracle.updates),
         ("readings outside", run.counts.outside, oracle.outside),

@@ -30,6 +30,9 @@ fn few() -> Scene {
     scene
 }
 
+const SCANS: &[&str] = &["csm-discrete-all", "csm-continuous", "csm-semantic-continuous"];
+const NEAREST: &[&str] = &["csm-discrete", "csm-continuous", "csm-semantic-continuous"];
+
 const FAULTS: &[Fault] = &[
     Fault {
         what: "the arc ends a fiftieth early",
@@ -306,6 +309,146 @@ const FAULTS: &[Fault] = &[
         to: "",
         methods: &["dempster-shafer-murphy"],
         scene: few,
+    },
+    Fault {
+        what: "one more of equally near poses",
+        from: "ties += select(0u, 1u, all(held[j] == last));",
+        to: "ties += select(0u, 2u, all(held[j] == last));",
+        methods: NEAREST,
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "no equally near pose",
+        from: "let tied = all(square == last.square) && ties > 0u;",
+        to: "let tied = false;",
+        methods: NEAREST,
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "the nearest but one",
+        from: "let last = held[HELD - 1u];",
+        to: "let last = held[max(HELD, 2u) - 2u];",
+        methods: &["csm-discrete", "csm-continuous", "csm-semantic-continuous-32"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "a pose on the cell",
+        from: " && any(square != vec2<u32>(0u))",
+        to: "",
+        methods: &["csm-continuous", "csm-continuous-clamp"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "no z_max",
+        from: "wide_less(square, farthest)",
+        to: "true",
+        methods: &["csm-continuous-64"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "the later of equally near beams",
+        from: "(beams[beam].id & YIELD) != 0u",
+        to: "(beams[beam].id & YIELD) == 0u",
+        methods: &["csm-continuous", "csm-discrete-1"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "quarters in another order",
+        from: "select(3u, 2u, v.x < 0)",
+        to: "select(2u, 3u, v.x < 0)",
+        methods: SCANS,
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "the search ends a beam early",
+        from: "low = middle + 1u;",
+        to: "low = min(middle + 1u, most - 1u);",
+        methods: SCANS,
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "past the last beam is not the first",
+        from: "select(found, 0u, found == scan.count)",
+        to: "min(found, scan.count - 1u)",
+        methods: SCANS,
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "what nothing came back from",
+        from: "if (beam.id & IDLE) != 0u {",
+        to: "if false {",
+        methods: SCANS,
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "a thinner obstacle",
+        from: "let half = frame.limits.y;",
+        to: "let half = frame.limits.y - frame.limits.y / 40;",
+        methods: &["csm-discrete", "csm-discrete-all", "csm-semantic-discrete"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "a gate that is open to the left",
+        from: "wide_negative(right) || wide_negative(left)",
+        to: "wide_negative(right)",
+        methods: &["csm-discrete", "csm-discrete-all", "csm-semantic-discrete"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "all hits of one class",
+        from: "(*cell).alpha[label - 1u] += 1u;",
+        to: "(*cell).alpha[0] += 1u;",
+        methods: &["csm-semantic-discrete"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "a coefficient in the sixth digit",
+        from: "13.387694",
+        to: "13.38775",
+        methods: &["csm-continuous", "csm-continuous-all", "csm-semantic-continuous-32"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "no unlabelled hit is left out",
+        from: "if label > 0u && max(abs(e.x), abs(e.y)) < l {",
+        to: "if max(abs(e.x), abs(e.y)) < l {",
+        methods: &["csm-semantic-continuous"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "free beyond the hit",
+        from: "!wide_less(wide_mul(beam.range, UNIT), along)",
+        to: "true",
+        methods: &["csm-continuous", "csm-continuous-all"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "free behind the sensor",
+        from: "FREE_RULE == 0u && wide_negative(along)",
+        to: "false",
+        methods: &["csm-continuous", "csm-semantic-continuous"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "clamped at the hit",
+        from: "max(beam.range - l, 0)",
+        to: "beam.range",
+        methods: &["csm-continuous-clamp"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "every other sample",
+        from: "k += 1;",
+        to: "k += 2;",
+        methods: &["csm-continuous-sample"],
+        scene: scenes::scans,
+    },
+    Fault {
+        what: "touched from a little farther",
+        from: "wide_mul(frame.limits.y, frame.limits.y)",
+        to: "wide_mul(frame.limits.y + 2000, frame.limits.y)",
+        methods: &["csm-continuous", "csm-continuous-sample", "csm-semantic-continuous"],
+        scene: scenes::scans,
     },
 ];
 

@@ -62,7 +62,8 @@ pub(super) fn specs(csm: &Csm) -> Vec<LayerSpec> {
     let mut start = vec![0.0; 3 + classes];
     Dirichlet::of(csm, &vec![0.0; classes]).values(&mut start);
     let palette = if csm.semantic { csm.palette } else { Palette::plain() };
-    let variance = Scale::Heat { low: 0.0, high: f64::from(start[1]) };
+    // No variance of a probability is larger.
+    let variance = Scale::Heat { low: 0.0, high: 0.25 };
     let first = [
         ("mean", "probability of occupied: the mean of the Dirichlet", Scale::Grey { low: 0.0, high: 1.0 }),
         ("variance", "variance of the probability of the likeliest class", variance),

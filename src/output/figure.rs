@@ -1,0 +1,122 @@
+//! `figure.svg`: mean, variance and class side by side, each with its scale in numbers and its colours' names; for the methods that
+//! have them. The pictures lie in the file.
+
+use super::png::{UNTOUCHED, colour};
+use super::svg::{base64, escape};
+use super::{Outline, unwritable};
+use crate::Result;
+use crate::grid::{Layer, Scale};
+use std::path::Path;
+
+/// The layers shown, if the method has them all.
+const PANELS: [(&str, &str); 3] =
+    [("mean", "probability of occupied"), ("variance", "variance"), ("label", "likeliest class")];
+/// A panel's edge, and what lies between two, pixels.
+const EDGE: f64 = 420.0;
+const GAP: f64 = 24.0;
+/// Above the pictures, and below them.
+const TOP: f64 = 34.0;
+const BAR: f64 = 14.0;
+const LINE: f64 = 18.0;
+/// Steps of a colour bar.
+const STEPS: usize = 42;
+
+/// Writes the figure from the layers' pictures in a folder.
+pub(super) fn write(folder: &Path, outline: &Outline, classes: &[String]) -> Result<()> {
+    let layers: Vec<&Layer> =
+        PANELS.iter().filter_map(|(name, _)| outline.heads.iter().find(|h| h.name == *name)).collect();
+    if layers.len() < PANELS.len() {
+        return Ok(());
+    }
+    let grid = &outline.grid;
+    let (across, up) = (grid.width as f64 * grid.resolution, grid.height as f64 * grid.resolution);
+    let scale = EDGE / across.max(up);
+    let (width, height) = (across * scale, up * scale);
+    let plain = ["occupied".to_string(), "free".to_string()];
+    let names = if classes.is_empty() { &plain } else { classes };
+    let lines = names.len() + 2;
+    let whole = [3.0 * EDGE + 4.0 * GAP, TOP + height + 3.0 * LINE + lines as f64 * LINE];
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0} {1:.0}\" width=\"{0:.0}\" height=\"{1:.0}\" \
+         font-family=\"sans-serif\" font-size=\"13\"><title>{2}</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+        whole[0],
+        whole[1],
+        escape(&outline.method)
+    );
+    for ((k, layer), (_, title)) in layers.iter().enumerate().zip(PANELS) {
+        let left = GAP + k as f64 * (EDGE + GAP);
+        let path = folder.join(format!("{}.png", layer.name));
+        let picture = std::fs::read(&path).map_err(|e| unwritable(&path, e))?;
+        let title = if k == 0 { format!("{}: {title}", outline.method) } else { title.to_string() };
+        svg += &format!(
+            "<text x=\"{left:.0}\" y=\"22\" font-weight=\"bold\">{}</text>\
+             <image x=\"{left:.0}\" y=\"{TOP}\" width=\"{width:.1}\" height=\"{height:.1}\" preserveAspectRatio=\"none\" \
+             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>\n",
+            escape(&title),
+            base64(&picture)
+        );
+        svg += &key(layer.scale, names, left, TOP + height + LINE);
+    }
+    svg += &format!(
+        "<text x=\"{GAP}\" y=\"{:.0}\" fill=\"#555\">{} × {} cells of {} m: x {:.2} to {:.2} m, y {:.2} to {:.2} m</text></svg>\n",
+        whole[1] - 10.0,
+        grid.width,
+        grid.height,
+        grid.resolution,
+        grid.x0(),
+        grid.x0() + across,
+        grid.y0(),
+        grid.y0() + up
+    );
+    let path = folder.join("figure.svg");
+    std::fs::write(&path, svg).map_err(|e| unwritable(&path, e))
+}
+
+/// What a scale's colours mean, from a point on downwards.
+fn key(scale: Scale, names: &[String], left: f64, top: f64) -> String {
+    let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
+    let row = |line: usize, colour: [u8; 3], text: &str| {
+        let y = top + line as f64 * LINE;
+        format!(
+            "<rect x=\"{left:.0}\" y=\"{y:.1}\" width=\"{BAR}\" height=\"{BAR}\" fill=\"{}\" stroke=\"#888\"/>\
+             <text x=\"{:.0}\" y=\"{:.1}\">{}</text>",
+            hex(colour),
+            left + BAR + 6.0,
+            y + BAR - 2.0,
+            escape(text)
+        )
+    };
+    let unseen = |line| row(line, UNTOUCHED, "not seen");
+    match scale {
+        Scale::Classes(_) => {
+            let mut text: String =
+                (1..).zip(names).map(|(k, name)| row(k - 1, colour(scale, k as f64), name)).collect();
+            text += &row(names.len(), colour(scale, 0.0), "undecided");
+            text + &unseen(names.len() + 1) + "\n"
+        }
+        Scale::Grey { low, high } | Scale::Heat { low, high } => bar(scale, [low, high], left, top) + &unseen(2) + "\n",
+        Scale::Signed { limit } => bar(scale, [-limit, limit], left, top) + &unseen(2) + "\n",
+    }
+}
+
+/// A colour bar with its ends in numbers.
+fn bar(scale: Scale, [low, high]: [f64; 2], left: f64, top: f64) -> String {
+    let step = EDGE / 2.0 / STEPS as f64;
+    let mut text = String::new();
+    for k in 0..STEPS {
+        let value = low + (high - low) * (k as f64 + 0.5) / STEPS as f64;
+        let [r, g, b] = colour(scale, value);
+        text += &format!(
+            "<rect x=\"{:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{BAR}\" fill=\"#{r:02x}{g:02x}{b:02x}\"/>",
+            left + k as f64 * step,
+            step + 0.3
+        );
+    }
+    let y = top + BAR + 14.0;
+    text + &format!(
+        "<rect x=\"{left:.0}\" y=\"{top:.1}\" width=\"{0:.1}\" height=\"{BAR}\" fill=\"none\" stroke=\"#888\"/>\
+         <text x=\"{left:.0}\" y=\"{y:.1}\">{low:.4}</text><text x=\"{1:.1}\" y=\"{y:.1}\" text-anchor=\"end\">{high:.4}</text>",
+        EDGE / 2.0,
+        left + EDGE / 2.0
+    )
+}
