@@ -178,9 +178,9 @@ fn idle(settings: &Settings, set: &[String]) -> Vec<(&'static str, &'static str)
         Settings::Himm(_) => (&["beta"], "method himm: it takes the cells on the axis"),
         Settings::Truth => (&["epsilon"], "method truth: a hit is ¾ cell deep"),
         Settings::Csm(c) if c.continuous && c.free != FreeRule::Sample => {
-            (&["step", "beta", "epsilon", "no_echo_range"], "this method")
+            (&["step", "beta"], "this model without free=sample")
         }
-        Settings::Csm(_) => (&["beta", "epsilon", "no_echo_range"], "this method"),
+        Settings::Csm(_) => (&["beta"], "a counting sensor model"),
         Settings::Certainty(_) => (&[], ""),
     };
     let given = |key: &str| set.iter().any(|text| text.split_once('=').is_some_and(|(k, _)| k == key));
