@@ -115,6 +115,9 @@ pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Fin
     let faint = method.unit() == Unit::Scan;
     for (place, state) in chunks {
         for (slot, tile) in state.chunks_exact(method::tile_words(method)).enumerate() {
+            if faint && tile.iter().all(|word| *word == 0) {
+                continue;
+            }
             let x0 = (place[1] as usize * CHUNK + slot % CHUNK) * TILE;
             let y0 = (place[0] as usize * CHUNK + slot / CHUNK) * TILE;
             for y in y0..(y0 + TILE).min(grid.height) {

@@ -7,6 +7,7 @@ use super::common::{
 use super::{note, say};
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
+use crate::method::Unit;
 use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo};
 use crate::reading::Counts;
 use crate::session::{Mapped, Session};
@@ -153,6 +154,10 @@ impl Map {
     fn check_working(&self, session: &Session) -> Result<()> {
         let used = session.survey.counts.used;
         match self.working {
+            Some(n) if session.method.unit() == Unit::Scan => Err(Error::Usage(format!(
+                "--working {n}: it draws one reading's cone, and {} takes a beam of each of a cell's nearest poses: leave it out",
+                method::name(session.method.as_ref())
+            ))),
             Some(n) if n > used => Err(Error::Usage(format!("--working {n}: there are {used} used readings"))),
             _ => Ok(()),
         }

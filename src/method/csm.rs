@@ -10,8 +10,7 @@ use super::settings::{Csm, FreeRule, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step, Unit};
 use crate::grid::Class;
 use crate::kernels::cpu::{Job, Plane, walk_scans};
-use crate::layout::{Beam, COUNT, Frame, IDLE, UNIT, YIELD};
-use crate::scan::cross;
+use crate::layout::{Beam, COUNT, Frame, IDLE, TILE, UNIT, YIELD};
 use layers::{Dirichlet, MOST};
 
 const WGSL: &str = include_str!("../../shaders/method/csm.wgsl");
@@ -86,42 +85,16 @@ pub fn kernel(frame: &Frame, d: f32) -> f32 {
     sigma0 * ((y * y * s) * sum)
 }
 
-/// The dot product, exact while its result has 53 bits.
-#[inline(always)]
-fn dot(a: [i32; 2], v: [i32; 2]) -> f64 {
-    f64::from(a[0]) * f64::from(v[0]) + f64::from(a[1]) * f64::from(v[1])
-}
-
-/// A cell's words while a beam updates it.
-pub struct Cell<'a> {
-    planes: &'a mut [Plane],
-    at: [usize; 2],
-}
-
-impl Cell<'_> {
-    /// The cell in this row and column of a tile.
-    #[inline(always)]
-    pub fn of(planes: &mut [Plane], row: usize, column: usize) -> Cell<'_> {
-        Cell { planes, at: [row, column] }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, plane: usize, n: u32) {
-        let word = &mut self.planes[plane][self.at[0]][self.at[1]];
-        *word = word.wrapping_add(n);
-    }
-
-    #[inline(always)]
-    fn add_float(&mut self, plane: usize, value: f32) {
-        let word = &mut self.planes[plane][self.at[0]][self.at[1]];
-        *word = (f32::from_bits(*word) + value).to_bits();
-    }
-
-    /// Notes which beam of which scan it was.
-    #[inline(always)]
-    fn mark(&mut self, scan: u32, beam: &Beam) {
-        self.add(2 + MARKS, mark(scan, beam.id));
-    }
+/// A row of a tile's cells as one scan sees it.
+pub struct Row {
+    /// From the pose, µm; whole numbers.
+    pub x: [f64; TILE],
+    /// The same upwards.
+    pub y: f64,
+    /// x² + y².
+    pub squares: [f64; TILE],
+    /// 1 where the cell takes the beam, else 0.
+    pub taken: [u32; TILE],
 }
 
 /// A number that tells a beam of a scan from others, label and all.
@@ -131,102 +104,183 @@ pub fn mark(scan: u32, id: u32) -> u32 {
     (mixed ^ mixed >> 15).wrapping_mul(0xc2b2_ae35)
 }
 
-/// What the nearest beam of a scan says of a cell at `v` from its pose, `square` = v·v.
+/// What a beam of a scan says of the cells that take it; `planes` are the tile's, `line` is the row's.
 #[inline(always)]
-pub fn update(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, v: [i32; 2], square: f64, mut cell: Cell) {
+pub fn update(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane], line: usize) {
     if beam.id & IDLE != 0 {
         return;
     }
     if csm.continuous {
-        continuous(csm, frame, scan, beam, v, &mut cell);
+        continuous(csm, frame, scan, beam, row, planes, line);
     } else {
-        discrete(csm, frame, scan, beam, v, square, &mut cell);
+        discrete(csm, frame, scan, beam, row, planes, line);
+    }
+}
+
+/// Two vectors in f64. Without closures: they would be compiled without the processor's vectors.
+#[inline(always)]
+fn floats([[a, b], [c, d]]: [[i32; 2]; 2]) -> [[f64; 2]; 2] {
+    [[f64::from(a), f64::from(b)], [f64::from(c), f64::from(d)]]
+}
+
+/// Adds to each cell of a row of a plane.
+#[inline(always)]
+fn add(planes: &mut [Plane], plane: usize, line: usize, values: &[u32; TILE]) {
+    let words = &mut planes[plane][line];
+    for k in 0..TILE {
+        words[k] = words[k].wrapping_add(values[k]);
+    }
+}
+
+/// The same of f32; a 0 leaves the bits as they are.
+#[inline(always)]
+fn add_floats(planes: &mut [Plane], plane: usize, line: usize, values: &[f32; TILE]) {
+    let words = &mut planes[plane][line];
+    for k in 0..TILE {
+        words[k] = (f32::from_bits(words[k]) + values[k]).to_bits();
+    }
+}
+
+/// Marks the cells where `touched` is not 0.
+#[inline(always)]
+fn add_marks(planes: &mut [Plane], line: usize, mark: u32, touched: &[u32; TILE]) {
+    let words = &mut planes[2 + MARKS][line];
+    for k in 0..TILE {
+        words[k] = words[k].wrapping_add(if touched[k] != 0 { mark } else { 0 });
     }
 }
 
 #[inline(always)]
-fn discrete(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, v: [i32; 2], square: f64, cell: &mut Cell) {
-    let [right, left] = beam.ray;
-    if cross(right, v) < 0.0 || cross(left, v) > 0.0 {
-        return;
-    }
+fn discrete(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane], line: usize) {
+    let [right, left] = floats(beam.ray);
     let half = frame.limits[1];
     let (inner, outer) = (f64::from((beam.range - half).max(0)), f64::from(beam.range + half));
-    let label = beam.id & 255;
-    let before = square <= inner * inner;
-    if !before && square < outer * outer {
-        if label > 0 {
-            cell.add(1, 1);
-            cell.mark(scan, beam);
-            if csm.semantic {
-                cell.add(2 + label as usize, 1);
-            }
-        }
-    } else if before {
-        cell.add(0, 1);
-        cell.mark(scan, beam);
+    let (inner, outer, label) = (inner * inner, outer * outer, beam.id & 255);
+    let (mut hits, mut passes) = ([0u32; TILE], [0u32; TILE]);
+    for k in 0..TILE {
+        let within = (right[0] * row.y - right[1] * row.x[k] >= 0.0) & (left[0] * row.y - left[1] * row.x[k] <= 0.0);
+        let before = row.squares[k] <= inner;
+        passes[k] = row.taken[k] & u32::from(within & before);
+        hits[k] = row.taken[k] & u32::from(within & !before & (row.squares[k] < outer) & (label > 0));
     }
+    add(planes, 0, line, &passes);
+    add(planes, 1, line, &hits);
+    if csm.semantic && label > 0 {
+        add(planes, 2 + label as usize, line, &hits);
+    }
+    for k in 0..TILE {
+        hits[k] |= passes[k];
+    }
+    add_marks(planes, line, mark(scan, beam.id), &hits);
 }
 
 /// Units of a distance across a beam in a µm.
 const FINE: f64 = 1024.0;
 
+/// Where a beam's cells lie from it.
+struct Sides {
+    /// Across it, 1/1024 µm, whole; [`FAR`] where the beam frees nothing.
+    across: [f64; TILE],
+    /// Along it, µm, whole.
+    along: [f64; TILE],
+}
+
+/// Farther across than any kernel reaches.
+const FAR: f64 = 1e15;
+
+/// Adds what points of the beam free, `offset` µm along it from each cell; notes the cells that they touch.
 #[inline(always)]
-fn continuous(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, v: [i32; 2], cell: &mut Cell) {
-    let [unit, hit] = beam.ray;
-    let [_, reach, step, l] = frame.limits;
-    let along = dot(unit, v);
-    if csm.free == FreeRule::Projection && along < 0.0 {
-        return;
+fn free(
+    frame: &Frame,
+    sides: &Sides,
+    offset: &[f64; TILE],
+    planes: &mut [Plane],
+    line: usize,
+    touched: &mut [u32; TILE],
+) {
+    let reach = f64::from(frame.limits[1]) * f64::from(frame.limits[1]);
+    let (mut gains, mut near) = ([0f32; TILE], [0u32; TILE]);
+    for k in 0..TILE {
+        let (p, o) = (sides.across[k] as f32 * (1.0 / FINE as f32), offset[k] as f32);
+        let whole = (sides.across[k] / FINE).floor();
+        let frees = sides.across[k] < FAR;
+        near[k] = u32::from(frees & (whole * whole + offset[k] * offset[k] < reach));
+        let gain = kernel(frame, (p * p + o * o).sqrt());
+        gains[k] = if frees { gain } else { 0.0 };
+        touched[k] |= near[k];
     }
-    let mut marked = false;
-    let label = beam.id & 255;
-    let e = [v[0].wrapping_sub(hit[0]), v[1].wrapping_sub(hit[1])];
-    if label > 0 && e[0].unsigned_abs().max(e[1].unsigned_abs()) < l as u32 {
-        let [x, y] = e.map(|e| e as f32);
-        let near =
-            i64::from(e[0]) * i64::from(e[0]) + i64::from(e[1]) * i64::from(e[1]) < i64::from(reach) * i64::from(reach);
-        cell.add_float(3 + label as usize, kernel(frame, (x * x + y * y).sqrt()));
-        cell.add(1, u32::from(near));
-        marked |= near;
+    add_floats(planes, 3, line, &gains);
+    add(planes, 0, line, &near);
+}
+
+#[inline(always)]
+fn continuous(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane], line: usize) {
+    let [unit, hit] = floats(beam.ray);
+    let [reach, step, l] = [f64::from(frame.limits[1]), f64::from(frame.limits[2]), f64::from(frame.limits[3])];
+    let (range, label, projected) = (f64::from(beam.range), beam.id & 255, csm.free == FreeRule::Projection);
+    let (mut touched, mut gains, mut near) = ([0u32; TILE], [0f32; TILE], [0u32; TILE]);
+    let mut sides = Sides { across: [FAR; TILE], along: [0.0; TILE] };
+    let length = f64::from(UNIT);
+    for k in 0..TILE {
+        let along = unit[0] * row.x[k] + unit[1] * row.y;
+        let takes = (row.taken[k] != 0) & !(projected & (along < 0.0));
+        let (x, y) = (row.x[k] - hit[0], row.y - hit[1]);
+        let hits = takes & (label > 0) & (x.abs() < l) & (y.abs() < l);
+        let (p, q) = (x as f32, y as f32);
+        let gain = kernel(frame, (p * p + q * q).sqrt());
+        gains[k] = if hits { gain } else { 0.0 };
+        near[k] = u32::from(hits & (x * x + y * y < reach * reach));
+        let across = ((unit[0] * row.y - unit[1] * row.x[k]).abs() * (FINE / length)).floor();
+        let frees = takes & (across < l * FINE) & !(projected & (along > range * length));
+        sides.across[k] = if frees { across } else { FAR };
+        sides.along[k] = (along / length).floor();
+        touched[k] = near[k];
     }
-    // Across the beam in 1/1024 µm, along it in µm.
-    let across = (cross(unit, v).abs() * (FINE / f64::from(UNIT))).floor();
-    if across < f64::from(l) * FINE {
-        let across = across as u32;
-        let along_whole = (along / f64::from(UNIT)).floor() as i32;
-        let mut free = |offset: i32| {
-            let (p, o) = (across as f32 * (1.0 / FINE as f32), offset as f32);
-            let p_whole = i64::from(across / FINE as u32);
-            let near = p_whole * p_whole + i64::from(offset) * i64::from(offset) < i64::from(reach) * i64::from(reach);
-            cell.add_float(3, kernel(frame, (p * p + o * o).sqrt()));
-            cell.add(0, u32::from(near));
-            marked |= near;
-        };
-        match csm.free {
-            FreeRule::Projection if along <= f64::from(beam.range) * f64::from(UNIT) => free(0),
-            FreeRule::Projection => {}
-            FreeRule::Clamp => {
-                let offset = along_whole - along_whole.clamp(0, (beam.range - l).max(0));
-                if offset.abs() < l {
-                    free(offset);
-                }
+    if label > 0 {
+        add_floats(planes, 3 + label as usize, line, &gains);
+        add(planes, 1, line, &near);
+    }
+    match csm.free {
+        FreeRule::Projection => free(frame, &sides, &[0.0; TILE], planes, line, &mut touched),
+        FreeRule::Clamp => {
+            let mut offset = [0.0; TILE];
+            for k in 0..TILE {
+                offset[k] = sides.along[k] - sides.along[k].max(0.0).min((range - l).max(0.0));
+                sides.across[k] = if offset[k].abs() < l { sides.across[k] } else { FAR };
             }
-            FreeRule::Sample => {
-                let first = (along_whole - l).max(0) / step;
-                let last = (along_whole + l).min(beam.range);
-                let mut k = first;
-                while k * step <= last {
-                    if (along_whole - k * step).abs() < l {
-                        free(along_whole - k * step);
-                    }
-                    k += 1;
-                }
-            }
+            free(frame, &sides, &offset, planes, line, &mut touched);
+        }
+        FreeRule::Sample => samples(frame, &sides, [range, step, l], planes, line, &mut touched),
+    }
+    add_marks(planes, line, mark(scan, beam.id), &touched);
+}
+
+/// What samples of the beam free, from the sensor to the hit.
+#[inline(always)]
+fn samples(
+    frame: &Frame,
+    sides: &Sides,
+    [range, step, l]: [f64; 3],
+    planes: &mut [Plane],
+    line: usize,
+    touched: &mut [u32; TILE],
+) {
+    // Those that are near one of the cells.
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for k in 0..TILE {
+        if sides.across[k] < FAR {
+            (low, high) = (low.min(sides.along[k]), high.max(sides.along[k]));
         }
     }
-    if marked {
-        cell.mark(scan, beam);
+    let mut at = ((low - l).max(0.0) / step).floor() * step;
+    while at <= (high + l).min(range) {
+        let (mut offset, mut one) = ([0.0; TILE], Sides { across: sides.across, along: sides.along });
+        for k in 0..TILE {
+            offset[k] = sides.along[k] - at;
+            one.across[k] = if offset[k].abs() < l { one.across[k] } else { FAR };
+        }
+        free(frame, &one, &offset, planes, line, touched);
+        at += step;
     }
 }
 
@@ -307,7 +361,10 @@ impl Method for Model {
     }
 
     fn touched(&self, words: &[u32]) -> bool {
-        self.increments(words).0.iter().sum::<f64>() > LEAST
+        match self.0.continuous {
+            true => words[3..].iter().map(|w| f64::from(f32::from_bits(*w))).sum::<f64>() > LEAST,
+            false => words[0] + words[1] > 0,
+        }
     }
 
     fn gains(&self, words: &[u32], sums: &mut Vec<f64>) {

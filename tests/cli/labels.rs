@@ -151,6 +151,13 @@ fn parameters_out_of_range() {
     place.refuses(&run, 2, "echogrid: --set free=never: free takes projection|sample|clamp");
     let run = [&map("log.jsonl", "csm-discrete")[..], &["--resolution", "3"]].concat();
     place.refuses(&run, 2, "echogrid: the counting sensor models take cells of at most 2 m, not 3 m");
+    let run = [&map("log.jsonl", "csm-discrete")[..], &["--working", "1"]].concat();
+    place.refuses(
+        &run,
+        2,
+        "echogrid: --working 1: it draws one reading's cone, and csm-discrete takes a beam of each of a cell's nearest poses: \
+         leave it out",
+    );
     // What has no effect is said.
     let run = [&map("log.jsonl", "csm-continuous")[..], &["--set", "step=0.2"]].concat();
     assert_eq!(place.run(&run).err, "echogrid: --set step has no effect with this model without free=sample\n");
