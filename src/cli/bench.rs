@@ -81,7 +81,8 @@ impl Bench {
         if self.growth {
             let width = 30f64.to_radians();
             workloads = growing(&|times, cells| cones(count * times, width, 2.0, 0.05, cells, 1));
-            of_scans = growing(&|times, cells| scans(count * times, 0.05, cells, 1));
+            // More cells over the same place: scans say nothing of cells far away.
+            of_scans = growing(&|times, cells| scans(count * times, 25.6 / cells as f64, cells, 1));
         }
         let mut table = Table::of(workloads.iter().chain(&of_scans), self.markdown, self.json, old.is_some());
         let mut all: Vec<Measured> = Vec::new();

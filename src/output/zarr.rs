@@ -149,7 +149,7 @@ fn multiscales(grid: &GridSpec, combined: &Layer, levels: usize) -> Object<Strin
 pub(super) fn attributes(grid: &GridSpec, method: &str, heads: &[Layer], info: &RunInfo) -> Object<String, Value> {
     let GridSpec { anchor, resolution, i0, j0, width, height } = grid;
     let names: Vec<&str> = heads.iter().map(|l| l.name.as_str()).collect();
-    let all = json!({
+    let mut all = json!({
         "method": method,
         "parameters": info.parameters,
         "log_sha256": info.log.sha256,
@@ -160,6 +160,9 @@ pub(super) fn attributes(grid: &GridSpec, method: &str, heads: &[Layer], info: &
         "layers": names,
         "version": env!("CARGO_PKG_VERSION"),
     });
+    if !info.classes.is_empty() {
+        all["classes"] = json!(info.classes);
+    }
     match all {
         Value::Object(object) => object,
         _ => Object::new(),

@@ -52,6 +52,8 @@ fn the_logs_own_names_and_those_of_a_file() {
             assert!(figure.contains("0.2500") && figure.matches("data:image/png;base64,").count() == 3);
         }
     }
+    let attributes = std::fs::read_to_string(place.path("out/map.zarr/zarr.json")).unwrap();
+    assert!(attributes.contains("stone"), "{attributes}");
     let colours = place.report("out")["layers"]["label"]["scale"]["classes"].clone();
     assert_eq!(colours[0], json!([255, 0, 0]));
     assert_eq!(colours.as_array().unwrap().len(), 3);
