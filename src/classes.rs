@@ -111,7 +111,7 @@ fn distinct(k: usize, count: usize) -> [u8; 3] {
 }
 
 fn hex(text: &str) -> Option<[u8; 3]> {
-    let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.is_ascii())?;
+    let digits = text.strip_prefix('#').filter(|d| d.bytes().all(|b| b.is_ascii_hexdigit()) && d.len() == 6)?;
     let byte = |k: usize| u8::from_str_radix(&digits[2 * k..2 * k + 2], 16).ok();
     Some([byte(0)?, byte(1)?, byte(2)?])
 }

@@ -123,13 +123,14 @@ pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Fin
             for y in y0..(y0 + TILE).min(grid.height) {
                 for x in x0..(x0 + TILE).min(grid.width) {
                     let at = (y - y0) * TILE + x - x0;
-                    if tile[at] + tile[TILE_CELLS + at] == 0 && !faint {
+                    let updated = tile[at] + tile[TILE_CELLS + at] > 0;
+                    if !updated && !faint {
                         continue;
                     }
                     for (p, word) in cell.iter_mut().enumerate() {
                         *word = tile[p * TILE_CELLS + at];
                     }
-                    if faint && !method.touched(&cell) {
+                    if !updated && !method.faint(&cell) {
                         continue;
                     }
                     method.gains(&cell, &mut layers.increments);

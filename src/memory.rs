@@ -70,8 +70,8 @@ pub fn whole(grid: &GridSpec, method: &dyn Method, batch: usize, readings: u64, 
     let layers = cells * (4 * (method.layers().len() as u64 + 1) + 8 + 2 + 4);
     let batch = batch.min(usize::try_from(readings).unwrap_or(usize::MAX));
     let found = if method.rounds().is_some_and(|r| r.len() > 1) { 4 * readings } else { 0 };
-    // A pose, how far its beams reach, where they lie, its place in the tree.
-    let poses = if method.unit() == Unit::Scan { 128 * scans } else { 0 };
+    // A pose, how far its beams reach, where they lie, its place in the tree; scans that are snapped.
+    let poses = if method.unit() == Unit::Scan { 128 * scans + (1 << 25) } else { 0 };
     4 * words + 3 * layers + 3 * batched(batch) + found + poses + (1 << 24)
 }
 

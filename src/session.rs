@@ -10,7 +10,6 @@ use crate::memory;
 use crate::method::settings::{Csm, Settings};
 use crate::method::{self, Method};
 use crate::oracle::{self, OracleMap};
-use crate::output::BadLines;
 use crate::reading::{Counts, Reading, Record, judge};
 use crate::scan::{Scan, Scans};
 use crate::sensor::{Kind, Overrides, Sensor};
@@ -99,7 +98,7 @@ impl Session {
             return Err(Error::input(path, format!("{first}{more}; mend it, or leave out --strict")));
         }
         if survey.counts.used == 0 {
-            return Err(Error::input(path, nothing_to_map(&survey.counts, &survey.bad_lines)));
+            return Err(Error::input(path, nothing_to_map(&survey)));
         }
         let grid = match given {
             Some(grid) => grid,
@@ -108,6 +107,13 @@ impl Session {
         let (mut settings, mut classes) = (request.settings, None);
         if let Settings::Csm(csm) = &mut settings {
             classes = prepare(csm, request, &log, &survey)?;
+            let far = [grid.x0(), grid.y0()].into_iter().find(|v| v.abs() > FARTHEST);
+            if let Some(far) = far {
+                let what = format!(
+                    "--bounds begin at {far} m: the counting sensor models map up to {FARTHEST:e} m from the origin"
+                );
+                return Err(Error::Usage(what));
+            }
         }
         let method = method::make(settings);
         Ok(Session { log, sensors, method, grid, survey, classes, until, bounded: given.is_some() })
@@ -250,6 +256,9 @@ fn prepare(csm: &mut Csm, request: &Request, log: &Log, survey: &Survey) -> Resu
     }
 }
 
+/// A grid's lower left corner, metres from the origin, at most.
+const FARTHEST: f64 = 2e6;
+
 /// Edge of a cell, metres, at most: a chunk's µm must fit 32 bits.
 const LARGEST_CELL: f64 = 2.0;
 
@@ -267,7 +276,8 @@ fn limit(sensor: &mut Sensor, set: &Overrides) {
 }
 
 /// What to say of a log none of whose readings can be mapped.
-fn nothing_to_map(counts: &Counts, bad: &BadLines) -> String {
+fn nothing_to_map(survey: &Survey) -> String {
+    let Survey { counts, bad_lines: bad, ignored, .. } = survey;
     let r = counts.rejected;
     let reasons = [
         (counts.no_echo, "without echo (no_echo_range is 0)"),
@@ -278,6 +288,7 @@ fn nothing_to_map(counts: &Counts, bad: &BadLines) -> String {
     ];
     let reasons: Vec<String> = reasons.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
     let mut text = match counts.read {
+        0 if *ignored > 0 => format!("holds no reading, but {ignored} lines (or scans) without one"),
         0 => "holds no reading".into(),
         read => format!(
             "none of its {read} readings can be mapped: {}; check --sensor and the sensors' ranges (--set r_min=…, \

@@ -141,17 +141,24 @@ fn however_it_is_stored() {
 fn what_is_missing_is_named_with_what_is_there() {
     let [poses_, scans] = good();
     let text = refused(&file(std::slice::from_ref(&poses_)));
+    let points = "laserScan (a cell of 2 × N or 3 × N points for each scan)";
+    assert!(text.ends_with(&format!("has no variable {points}; it holds 'robotPose'")), "{text}");
+    let text = refused(&file(&[doubles([1, 1], "speed", &[1.0]), scans.clone()]));
     assert!(
-        text.ends_with("has no variable laserScan (a cell of 2 × N or 3 × N points for each scan); it holds robotPose"),
+        text.ends_with("has no variable robotPose (a struct of x, y and h); it holds 'speed', 'laserScan'"),
         "{text}"
     );
-    let text = refused(&file(&[doubles([1, 1], "speed", &[1.0]), scans.clone()]));
-    assert!(text.ends_with("has no variable robotPose (a struct of x, y and h); it holds speed, laserScan"), "{text}");
-    assert!(refused(&file(&[])).contains("it holds nothing"));
+    let text = refused(&file(&[]));
+    assert!(
+        text.ends_with(&format!("no variable robotPose (a struct of x, y and h) and no {points}; it holds nothing"))
+    );
+    let odd: Vec<Vec<u8>> = (0..20).map(|k| doubles([1, 1], &format!("v\u{1b}[31m{k}"), &[1.0])).collect();
+    let text = refused(&file(&odd));
+    assert!(!text.contains('\u{1b}') && text.ends_with("and 4 more"), "{text}");
     let column = |v: &[f64]| doubles([v.len() as u32, 1], "", v);
-    let text =
-        refused(&file(&[structure("robotPose", &[("x", column(&[1.0])), ("th", column(&[1.0]))]), scans.clone()]));
-    assert!(text.ends_with("robotPose has no field y; it has x, th"), "{text}");
+    let fields = [("x", column(&[1.0])), ("th", column(&[1.0]))];
+    let text = refused(&file(&[structure("robotPose", &fields), scans.clone()]));
+    assert!(text.ends_with("robotPose has no field y and no h; it has 'x', 'th'"), "{text}");
     let text = refused(&file(&[doubles([1, 2], "robotPose", &[1.0, 2.0]), scans.clone()]));
     assert!(text.ends_with("robotPose is 1 × 2 numbers, not a struct of x, y and h"), "{text}");
     let text = refused(&file(&[poses_, doubles([2, 2], "laserScan", &[1.0; 4])]));
@@ -163,7 +170,9 @@ fn what_is_missing_is_named_with_what_is_there() {
 #[test]
 fn other_versions_say_what_to_do() {
     let hdf5 = format!("{:<512}", "MATLAB 7.3 MAT-file, Platform: GLNXA64");
-    assert!(refused(hdf5.as_bytes()).ends_with("load it in MATLAB and save it with save(name, '-v7')"));
+    let remedy = "load it in MATLAB and save it with save(name, '-v7')";
+    assert!(refused(hdf5.as_bytes()).ends_with(remedy));
+    assert!(refused(b"\x89HDF\r\n\x1a\n and more").ends_with(remedy));
     let mut turned = file(&good());
     turned[126..128].copy_from_slice(b"MI");
     assert!(refused(&turned).contains("other byte order"));
@@ -182,19 +191,48 @@ fn bad_scans_are_counted_one_by_one() {
         array(4, [1, 1], "", &small(4, &[65, 0])),
         element(14, &[]),
         doubles([2, 1], "", &[2.0, 0.0]),
+        doubles([2, 3], "", &[f64::INFINITY, f64::NAN, 1.0, 1.0, 0.0, f64::NEG_INFINITY]),
     ];
-    let x = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f64::NAN];
-    let log = open(&file(&[poses(&x, &[0.0; 7], &[0.0; 7]), cells("laserScan", &scans)]));
+    let x = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f64::NAN, 0.0];
+    let log = open(&file(&[poses(&x, &[0.0; 8], &[0.0; 8]), cells("laserScan", &scans)]));
     let (good, bad) = pass(&log);
-    assert_eq!(good, 2);
+    assert_eq!(good, 3);
     let wanted = [
         "line 3: scan 3: 4 × 1 numbers, not 2 × N or 3 × N points",
         "line 4: scan 4: beam 1: label 1.5: labels are whole numbers from 1",
         "line 4: scan 4: beam 2: label 0: labels are whole numbers from 1",
         "line 5: scan 5: text, not 2 × N or 3 × N points",
         "line 7: scan 7: the robot's x is NaN",
+        "line 8: scan 8: beam 1: (inf, NaN) is no point",
+        "line 8: scan 8: beam 3: (0, -inf) is no point",
     ];
     assert_eq!(bad, wanted);
+}
+
+#[test]
+fn other_variables_are_passed_over_whatever_they_are() {
+    let plain = read(&open(&file(&good())));
+    let [poses_, scans] = good();
+    // Large once it is unpacked, damaged in its middle, no array at all.
+    let large = packed(&element(14, &vec![0; 40 << 20]));
+    let mut damaged = packed(&doubles([1, 3000], "noise", &(0..3000).map(f64::from).collect::<Vec<_>>()));
+    let middle = damaged.len() / 2;
+    damaged[middle..middle + 40].fill(0xaa);
+    let odd = element(3, &[1, 2, 3, 4]);
+    assert_eq!(read(&open(&file(&[large, damaged, odd, poses_, scans]))), plain);
+}
+
+#[test]
+fn a_file_that_takes_too_much_is_refused() {
+    let [poses_, _] = good();
+    // A thousand times smaller packed: numbers of one byte become eight, and empty cells arrays.
+    let bytes = vec![0u8; 70 << 20];
+    let numbers = packed(&array(6, [1, 70 << 20], "laserScan", &element(2, &bytes)));
+    let cells = packed(&array(1, [9 << 20, 1], "laserScan", &element(14, &[]).repeat(9 << 20)));
+    for scans in [numbers, cells] {
+        let text = refused(&file(&[poses_.clone(), scans]));
+        assert!(text.ends_with("laserScan: is more than 512 MiB to read: save fewer scans in a file"), "{text}");
+    }
 }
 
 #[test]

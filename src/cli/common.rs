@@ -163,28 +163,39 @@ fn unknown_key(method: &str, settings: &Settings, key: &str) -> String {
     let known: Vec<&str> = settings.keys().iter().chain(OVERRIDE_KEYS).map(|k| k.name).collect();
     let hint = match others.is_empty() {
         true => method::nearest(key, &known),
-        false => format!(", {} has; there are {}", others.join(" and "), known.join(", ")),
+        false => format!(
+            ", {} {}; there are {}",
+            others.join(" and "),
+            if others.len() > 1 { "have" } else { "has" },
+            known.join(", ")
+        ),
     };
     format!("{method} has no parameter \"{key}\"{hint}")
 }
 
 /// Of the parameters that are set, those that change nothing, each with what makes it so.
 fn idle(settings: &Settings, set: &[String]) -> Vec<(&'static str, &'static str)> {
-    let (keys, why): (&[&'static str], &'static str) = match settings {
-        Settings::Bayes(b) if b.model == Likelihood::Murphy => (&["p_hit", "p_miss"], "model=murphy"),
-        Settings::Bayes(_) => (&["max_occ", "region_one_floor", "region_two_floor"], "model=constant"),
-        Settings::DempsterShafer(d) if d.model == MassModel::Murphy => (&["rho"], "model=murphy"),
-        Settings::DempsterShafer(_) => (&["max_occ"], "model=pagac"),
-        Settings::Himm(_) => (&["beta"], "method himm: it takes the cells on the axis"),
-        Settings::Truth => (&["epsilon"], "method truth: a hit is ¾ cell deep"),
-        Settings::Csm(c) if c.continuous && c.free != FreeRule::Sample => {
-            (&["step", "beta"], "this model without free=sample")
+    const SCANS: &str = "a counting sensor model: it takes the nearest beam";
+    let keys: &[(&'static str, &'static str)] = match settings {
+        Settings::Bayes(b) if b.model == Likelihood::Murphy => &[("p_hit", "model=murphy"), ("p_miss", "model=murphy")],
+        Settings::Bayes(_) => &[
+            ("max_occ", "model=constant"),
+            ("region_one_floor", "model=constant"),
+            ("region_two_floor", "model=constant"),
+        ],
+        Settings::DempsterShafer(d) if d.model == MassModel::Murphy => &[("rho", "model=murphy")],
+        Settings::DempsterShafer(_) => &[("max_occ", "model=pagac")],
+        Settings::Himm(_) => &[("beta", "method himm: it takes the cells on the axis")],
+        Settings::Truth => &[("epsilon", "method truth: a hit is ¾ cell deep")],
+        Settings::Csm(c) if c.continuous && c.free == FreeRule::Projection => {
+            &[("beta", SCANS), ("step", "free=projection")]
         }
-        Settings::Csm(_) => (&["beta"], "a counting sensor model"),
-        Settings::Certainty(_) => (&[], ""),
+        Settings::Csm(c) if c.continuous && c.free == FreeRule::Clamp => &[("beta", SCANS), ("step", "free=clamp")],
+        Settings::Csm(_) => &[("beta", SCANS)],
+        Settings::Certainty(_) => &[],
     };
     let given = |key: &str| set.iter().any(|text| text.split_once('=').is_some_and(|(k, _)| k == key));
-    keys.iter().filter(|key| given(key)).map(|key| (*key, why)).collect()
+    keys.iter().filter(|(key, _)| given(key)).copied().collect()
 }
 
 impl LogArguments {
@@ -210,6 +221,9 @@ impl LogArguments {
         });
         for (key, why) in idle(&settings, &self.set) {
             note!("--set {key} has no effect with {why}");
+        }
+        if self.classes.is_some() && !matches!(settings, Settings::Csm(c) if c.semantic) {
+            note!("--classes has no effect with {}: it knows no class labels", self.method);
         }
         Ok(Request {
             log: log::Options {

@@ -3,7 +3,7 @@
 //!
 //! A "line" of such a log is a scan, counted from 1.
 
-use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose, lasers_only};
+use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose, lasers_only, quote};
 use super::input::Input;
 use super::{BadLine, Problem};
 use crate::classes::Classes;
@@ -41,7 +41,7 @@ impl Format for Matlab {
         lasers_only(input, kind, self.name())?;
         let fail = |what: String| Error::input(input.path(), what);
         let mut bytes = Vec::new();
-        let read = input.reader()?.read_to_end(&mut bytes);
+        let read = input.reader()?.take(array::LARGEST + 1).read_to_end(&mut bytes);
         read.map_err(|e| fail(format!("can't be read: {e}")))?;
         if bytes.starts_with(b"MATLAB 7.3") {
             let what = "is a version 7.3 file (HDF5): load it in MATLAB and save it with save(name, '-v7')";
@@ -66,22 +66,31 @@ struct MatLog {
 impl MatLog {
     fn of(input: &Input, found: Variables) -> std::result::Result<MatLog, String> {
         let Variables { mut wanted, names } = found;
-        let holds = if names.is_empty() { "nothing".into() } else { names.join(", ") };
-        let mut take = |name: &str, what: &str| {
-            wanted.remove(name).ok_or_else(|| format!("has no variable {name} ({what}); it holds {holds}"))
+        let asked =
+            [("robotPose", "a struct of x, y and h"), ("laserScan", "a cell of 2 × N or 3 × N points for each scan")];
+        let missing: Vec<String> = asked
+            .iter()
+            .filter(|(name, _)| !wanted.contains_key(*name))
+            .map(|(name, what)| format!("{name} ({what})"))
+            .collect();
+        let (Some(pose), Some(scans), true) =
+            (wanted.remove("robotPose"), wanted.remove("laserScan"), missing.is_empty())
+        else {
+            return Err(format!("has no variable {}; it holds {}", missing.join(" and no "), list(&names)));
         };
-        let pose = take("robotPose", "a struct of x, y and h")?;
-        let scans = take("laserScan", "a cell of 2 × N or 3 × N points for each scan")?;
         let Array::Struct(fields) = pose else {
             return Err(format!("robotPose is {pose}, not a struct of x, y and h"));
         };
+        let missing: Vec<&str> =
+            ["x", "y", "h"].into_iter().filter(|name| fields.iter().all(|(n, _)| n != name)).collect();
+        if !missing.is_empty() {
+            let there: Vec<String> = fields.iter().map(|(n, _)| n.clone()).collect();
+            return Err(format!("robotPose has no field {}; it has {}", missing.join(" and no "), list(&there)));
+        }
         let column = |name: &str| match fields.iter().find(|(n, _)| n == name) {
             Some((_, Array::Numbers { values, .. })) => Ok(values),
             Some((_, other)) => Err(format!("robotPose.{name} is {other}, not numbers")),
-            None => {
-                let there: Vec<&str> = fields.iter().map(|(n, _)| n.as_str()).collect();
-                Err(format!("robotPose has no field {name}; it has {}", there.join(", ")))
-            }
+            None => Err(format!("robotPose has no field {name}")),
         };
         let (x, y, h) = (column("x")?, column("y")?, column("h")?);
         let Array::Cells(cells) = scans else { return Err(format!("laserScan is {scans}, not a cell of scans")) };
@@ -100,6 +109,17 @@ impl MatLog {
             ..Description::default()
         };
         Ok(MatLog { input: input.clone(), scans: Arc::new(poses.zip(cells).collect()), sensors: vec![laser], classes })
+    }
+}
+
+/// Names as a file has them, for a message.
+fn list(names: &[String]) -> String {
+    const SHOWN: usize = 16;
+    let shown: Vec<String> = names.iter().take(SHOWN).map(|n| quote(n)).collect();
+    match names.len() {
+        0 => "nothing".into(),
+        n if n > SHOWN => format!("{} and {} more", shown.join(", "), n - SHOWN),
+        _ => shown.join(", "),
     }
 }
 
@@ -167,6 +187,9 @@ fn record(sensors: &[Mounted], robot: &Pose, point: &[f64], scan: u64) -> std::r
         Some(label) if label.fract() == 0.0 && (1.0..65536.0).contains(label) => Some(*label as u16),
         Some(label) => return Err(format!("label {label}: labels are whole numbers from 1")),
     };
+    if !(point[0].is_finite() && point[1].is_finite()) {
+        return Err(format!("({}, {}) is no point", point[0], point[1]));
+    }
     let mounted = sensors.first().ok_or("no sensor")?;
     let off = point[1].atan2(point[0]);
     let given = Pose { heading: robot.heading + off, ..*robot };

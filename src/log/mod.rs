@@ -193,6 +193,10 @@ fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
     if let Some((name, _)) = packed.iter().find(|(_, magic)| head.starts_with(magic)) {
         return Error::input(path, format!("is packed with {name}: unpack it first (gzip is unpacked on the fly)"));
     }
+    if head.starts_with(b"\x89HDF\r\n") {
+        let what = "is an HDF5 file: if it is a MATLAB log, load it in MATLAB and save it with save(name, '-v7')";
+        return Error::input(path, what);
+    }
     let odd = head.iter().filter(|b| **b < 9 || (14..32).contains(*b)).count();
     let what =
         if odd * 50 > head.len() || head.contains(&0) { "is binary, not a log" } else { "is of no known format" };

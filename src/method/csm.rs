@@ -55,7 +55,7 @@ struct Model(Csm);
 
 /// Plane of the marks, after the two counts.
 const MARKS: usize = 0;
-/// Increments of no more than this together don't touch a cell.
+/// An increment of no more than this is no update, and such increments together touch a cell only where they are more.
 const LEAST: f64 = 1e-6;
 
 /// k(d)/σ0 = s⁵ Σ K[n] s²ⁿ with s = 1 − d/l, of Melkumyan & Ramos 2009: in s the kernel is odd and starts with s⁵, so that no
@@ -360,11 +360,8 @@ impl Method for Model {
         layers::specs(&self.0)
     }
 
-    fn touched(&self, words: &[u32]) -> bool {
-        match self.0.continuous {
-            true => words[3..].iter().map(|w| f64::from(f32::from_bits(*w))).sum::<f64>() > LEAST,
-            false => words[0] + words[1] > 0,
-        }
+    fn faint(&self, words: &[u32]) -> bool {
+        self.0.continuous && words[3..].iter().map(|w| f64::from(f32::from_bits(*w))).sum::<f64>() > LEAST
     }
 
     fn gains(&self, words: &[u32], sums: &mut Vec<f64>) {
@@ -389,7 +386,7 @@ impl Method for Model {
     }
 }
 
-/// The distance from which on the kernel is no more than [`LEAST`], µm: what is nearer touches a cell.
+/// The distance from which on the kernel is no more than 10⁻⁶, µm: what is nearer is an update.
 pub fn reach(csm: &Csm) -> i32 {
     let k = |micrometres: i32| {
         let s = (1.0 - f64::from(micrometres) * 1e-6 / csm.l).max(0.0);

@@ -144,9 +144,9 @@ pub trait Method: Send + Sync {
     /// The layers, in the order of [`Method::values`].
     fn layers(&self) -> Vec<LayerSpec>;
 
-    /// Whether readings have touched a cell of these words.
-    fn touched(&self, words: &[u32]) -> bool {
-        words[0] + words[1] > 0
+    /// Whether a cell without updates is touched all the same, by increments that are too small to count as such.
+    fn faint(&self, _words: &[u32]) -> bool {
+        false
     }
 
     /// Adds what a cell's α have gained, where the method has α, to the map's sums.

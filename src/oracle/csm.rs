@@ -228,8 +228,8 @@ fn touches(csm: &Csm, square: i128) -> bool {
     s > 0.0 && csm.sigma0 * ((2.0 + (TAU * s).cos()) / 3.0 * s - (TAU * s).sin() / TAU) > LEAST
 }
 
-/// Whether a cell gained more than nothing to speak of.
-pub(super) fn is_touched(gains: &[f64]) -> bool {
+/// Whether a cell gained more than nothing to speak of, if only by increments that are no updates each.
+pub(super) fn is_faint(gains: &[f64]) -> bool {
     gains.iter().sum::<f64>() > LEAST
 }
 
@@ -297,7 +297,10 @@ fn finish(grid: &GridSpec, csm: &Csm, cells: Vec<Cell>) -> OracleMap {
     let (mut class, mut ambiguous) = (Vec::new(), Vec::new());
     for cell in &cells {
         let mut cell = cell.clone();
-        let seen = is_touched(&cell.alpha);
+        let gained = cell.alpha.iter().sum::<f64>();
+        let seen = cell.interior + cell.arc > 0 || is_faint(&cell.alpha);
+        // A kernel may find it touched, or not, otherwise than here.
+        let wavers = cell.interior + cell.arc == 0 && (gained - LEAST).abs() <= cell.bound.iter().sum::<f64>();
         if !seen {
             cell.alpha.fill(0.0);
             cell.bound.fill(0.0);
@@ -329,12 +332,14 @@ fn finish(grid: &GridSpec, csm: &Csm, cells: Vec<Cell>) -> OracleMap {
             (label, unsure),
         ];
         let alphas = alpha.iter().zip(&cell.bound).map(|(a, b)| (*a, b + U * (a + b)));
-        for (layer, (value, bound)) in layers.iter_mut().zip(values.into_iter().chain(alphas)) {
+        // What a flip changes: every α by what it gained, the rest to any value.
+        let flip = |k: usize| if wavers { [1.0, 1.0, classes as f64, 2.0 * LEAST][k.min(3)] } else { 0.0 };
+        for (k, (layer, (value, bound))) in layers.iter_mut().zip(values.into_iter().chain(alphas)).enumerate() {
             layer.values.push(value);
-            layer.bound.push(bound);
+            layer.bound.push(bound + flip(k));
         }
         class.push(if seen { decided } else { 0 });
-        ambiguous.push(off > 0.0 && edge);
+        ambiguous.push(wavers || (off > 0.0 && edge));
     }
     let of = |f: fn(&Cell) -> u32| cells.iter().map(f).collect::<Vec<u32>>();
     let (interior, arc) = (of(|c| c.interior), of(|c| c.arc));
@@ -343,10 +348,10 @@ fn finish(grid: &GridSpec, csm: &Csm, cells: Vec<Cell>) -> OracleMap {
         layers,
         class,
         ambiguous,
-        touched: cells.iter().filter(|c| is_touched(&c.alpha)).count() as u64,
+        touched: cells.iter().filter(|c| c.interior + c.arc > 0 || is_faint(&c.alpha)).count() as u64,
         gains: cells.iter().map(|c| c.alpha.clone()).collect(),
         updates: interior.iter().chain(&arc).map(|n| u64::from(*n)).sum(),
-        marks: cells.iter().map(|c| if is_touched(&c.alpha) { c.marks } else { 0 }).collect(),
+        marks: cells.iter().map(|c| c.marks).collect(),
         interior,
         arc,
         outside: 0,

@@ -106,10 +106,7 @@ impl OracleMap {
 
     /// Whether a reading reached cell `k`.
     pub fn is_touched(&self, k: usize) -> bool {
-        match self.gains.get(k) {
-            Some(gains) => csm::is_touched(gains),
-            None => self.interior[k] + self.arc[k] > 0,
-        }
+        self.interior[k] + self.arc[k] > 0 || self.gains.get(k).is_some_and(|gains| csm::is_faint(gains))
     }
 }
 

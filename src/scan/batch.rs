@@ -17,7 +17,9 @@ use rayon::prelude::*;
 /// The tiles of one chunk.
 pub struct Tiles<'a> {
     store: &'a Store,
-    index: &'a Index,
+    /// Where a cell takes its nearest poses.
+    index: Option<&'a Index>,
+    resolution: f64,
     csm: &'a Csm,
     chunk: Place,
     /// The centre of the chunk's first cell, µm in the world frame.
@@ -40,8 +42,8 @@ struct Box2 {
     high: [i32; 2],
 }
 
-/// Where a tile has more candidates than this for each of the nearest, a parked robot say, they are looked through one by one.
-const MANY: usize = 32;
+/// Where a tile has more candidates than this for each of the nearest, a parked robot say, they are looked through.
+const MANY: usize = 16;
 
 /// What a batch may come to.
 #[derive(Debug, Clone, Copy)]
@@ -56,7 +58,7 @@ pub struct Most {
 
 impl<'a> Tiles<'a> {
     /// Of the chunk in this row and column.
-    pub fn of(grid: &GridSpec, chunk: Place, store: &'a Store, index: &'a Index, csm: &'a Csm) -> Tiles<'a> {
+    pub fn of(grid: &GridSpec, chunk: Place, store: &'a Store, index: Option<&'a Index>, csm: &'a Csm) -> Tiles<'a> {
         let first = [chunk[1] as usize * EDGE, chunk[0] as usize * EDGE];
         let centre = |k: usize, n: usize| {
             let at = [first[0] + if k == 0 { n } else { 0 }, first[1] + if k == 1 { n } else { 0 }];
@@ -66,7 +68,7 @@ impl<'a> Tiles<'a> {
         let origin = [centre(0, 0), centre(1, 0)];
         let centres = [0, 1].map(|k| (0..EDGE).map(|n| (centre(k, n) - origin[k]) as i32).collect());
         let size = [grid.width - first[0], grid.height - first[1]].map(|s| s.min(EDGE));
-        Tiles { store, index, csm, chunk, origin, centres, size }
+        Tiles { store, index, resolution: grid.resolution, csm, chunk, origin, centres, size }
     }
 
     /// Gives the chunk's batches in order, each with the share of the chunk's work that it is; whether all were taken.
@@ -74,14 +76,14 @@ impl<'a> Tiles<'a> {
     /// # Errors
     /// [`crate::Error::Resources`] where spilled beams can't be read back.
     pub fn batches(&self, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
-        match self.csm.neighbours {
-            Some(_) => self.by_tiles(most, give),
+        match self.index {
+            Some(index) => self.by_tiles(index, most, give),
             None => self.by_scans(most, give),
         }
     }
 
-    fn by_tiles(&self, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
-        let listed: Vec<Listed> = self.all().into_par_iter().filter_map(|at| self.list(at)).collect();
+    fn by_tiles(&self, index: &Index, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
+        let listed: Vec<Listed> = self.all().into_par_iter().filter_map(|at| self.list(index, at)).collect();
         let total = listed.len() as f64;
         let mut rest = &listed[..];
         while !rest.is_empty() {
@@ -171,34 +173,39 @@ impl<'a> Tiles<'a> {
     }
 
     /// A tile's scans; `None` where none of them may touch it.
-    fn list(&self, at: [usize; 2]) -> Option<Listed> {
+    fn list(&self, index: &Index, at: [usize; 2]) -> Option<Listed> {
         let area = self.tile(at);
         let metres = |k: usize, v: i32| (self.origin[k] + i64::from(v)) as f64 * 1e-6;
         let ends = [0, 1].map(|k| [metres(k, area.low[k]), metres(k, area.high[k])]);
         let half = (ends[0][1] - ends[0][0]).hypot(ends[1][1] - ends[1][0]) / 2.0;
-        let mut scans = self.index.candidates(ends.map(|[low, high]| (low + high) / 2.0), half, self.csm.z_max);
+        let mut scans = index.candidates(ends.map(|[low, high]| (low + high) / 2.0), half, self.csm.z_max);
         if let Some(n) = self.csm.neighbours.map(usize::from).filter(|n| scans.len() > MANY * n) {
-            scans = self.nearest(at, &scans, n);
+            scans = self.undominated(&area, &scans, n);
         }
         scans.iter().any(|s| self.reaches(*s, &area)).then_some(Listed { at, scans })
     }
 
-    /// Those of these scans that are among the n nearest of one of the tile's cells, exactly.
-    fn nearest(&self, at: [usize; 2], scans: &[u32], n: usize) -> Vec<u32> {
-        let poses: Vec<[f64; 2]> = scans.iter().map(|s| self.pose(*s).map(|v| v as f64)).collect();
-        let mut kept = vec![false; scans.len()];
-        let mut order: Vec<(f64, usize)> = Vec::new();
-        let span = |k: usize| at[k] * TILE..(at[k] * TILE + TILE).min(self.size[k]);
-        for (row, column) in span(1).flat_map(|row| span(0).map(move |column| (row, column))) {
-            let [x, y] = [self.centres[0][column], self.centres[1][row]].map(f64::from);
-            // f64 holds the squares of what is nearer than 90 m exactly; the rest is as good as any.
-            let square = |p: &[f64; 2]| (x - p[0]) * (x - p[0]) + (y - p[1]) * (y - p[1]);
-            order.clear();
-            order.extend(poses.iter().map(square).zip(0..));
-            order.select_nth_unstable_by(n - 1, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            order[..n].iter().for_each(|(_, k)| kept[*k] = true);
-        }
-        scans.iter().zip(kept).filter(|(_, kept)| *kept).map(|(scan, _)| *scan).collect()
+    /// Of these scans those to which not n others are nearer all over the tile: the rest is never among the n nearest. The
+    /// difference of two squared distances is linear in the place, so what holds at the corners holds between them.
+    fn undominated(&self, area: &Box2, scans: &[u32], n: usize) -> Vec<u32> {
+        let corners = area.corners().map(|c| c.map(f64::from));
+        // f64 holds the squares of what is nearer than 90 m exactly; the rest says nothing.
+        let squares = |scan: &u32| {
+            let [px, py] = self.pose(*scan).map(|v| v as f64);
+            corners.map(|[x, y]| (x - px) * (x - px) + (y - py) * (y - py))
+        };
+        let all: Vec<[f64; 4]> = scans.iter().map(squares).collect();
+        // The nearest on the whole are those that are nearer than others all over.
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        let first = (4 * n).min(order.len() - 1);
+        let sum = |k: &usize| all[*k].iter().sum::<f64>();
+        order.select_nth_unstable_by(first, |a, b| sum(a).total_cmp(&sum(b)).then(a.cmp(b)));
+        let nearest: Vec<[f64; 4]> = order[..first].iter().map(|k| all[*k]).collect();
+        let kept = |own: &[f64; 4]| {
+            let nearer = |other: &&[f64; 4]| other.iter().zip(own).all(|(a, b)| a < b);
+            nearest.iter().filter(nearer).take(n).count() < n
+        };
+        scans.iter().zip(&all).filter(|(_, own)| kept(own)).map(|(scan, _)| *scan).collect()
     }
 
     /// The batch of these tiles and scans.
@@ -250,18 +257,13 @@ impl<'a> Tiles<'a> {
         let distance = area.square(pose.map(i64::from)).sqrt();
         let margin = match self.csm.continuous {
             true => self.csm.l * 1e6,
-            false => f64::from(self.csm.half_obstacle(self.resolution())),
+            false => f64::from(self.csm.half_obstacle(self.resolution)),
         };
         let n = beams.len() as u32;
         (low..=high).any(|k| {
             let beam = &beams[if k >= n { 0 } else { k as usize }];
             beam.id & IDLE == 0 && distance <= f64::from(beam.range) + margin + 1.0
         })
-    }
-
-    /// Edge of a cell, metres.
-    fn resolution(&self) -> f64 {
-        f64::from(self.centres[0][1] - self.centres[0][0]) * 1e-6
     }
 }
 
@@ -270,6 +272,11 @@ impl Box2 {
     fn square(&self, at: [i64; 2]) -> f64 {
         let away = |k: usize| (i64::from(self.low[k]) - at[k]).max(at[k] - i64::from(self.high[k])).max(0) as f64;
         away(0) * away(0) + away(1) * away(1)
+    }
+
+    fn corners(&self) -> [[i32; 2]; 4] {
+        let ([x0, y0], [x1, y1]) = (self.low, self.high);
+        [[x0, y0], [x1, y0], [x0, y1], [x1, y1]]
     }
 
     /// The least and the largest place among the bounds of a scan's beams that a cell of the box may have.
@@ -285,8 +292,7 @@ impl Box2 {
         if passes {
             return [0, n];
         }
-        let corners = [[low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]];
-        let places = corners.map(|v| place(beams, v, 0, n));
+        let places = Box2 { low, high }.corners().map(|v| place(beams, v, 0, n));
         [places.into_iter().fold(n, u32::min), places.into_iter().fold(0, u32::max)]
     }
 }

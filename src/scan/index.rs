@@ -6,7 +6,7 @@ use rstar::primitives::GeomWithData;
 /// The poses of a log in an R-tree, by their order in the log.
 pub struct Index {
     tree: RTree<GeomWithData<[f64; 2], u32>>,
-    neighbours: Option<usize>,
+    neighbours: usize,
 }
 
 /// More than all roundings of f64 together, metres.
@@ -14,14 +14,13 @@ const MARGIN: f64 = 1e-5;
 
 impl Index {
     /// Of these poses, µm. Of those at one place only the first `neighbours` can ever be among the nearest.
-    pub fn new(poses: &[[i64; 2]], neighbours: Option<usize>) -> Index {
+    pub fn new(poses: &[[i64; 2]], neighbours: usize) -> Index {
         let mut order: Vec<u32> = (0..poses.len() as u32).collect();
         order.sort_by_key(|k| (poses[*k as usize], *k));
-        let most = neighbours.unwrap_or(usize::MAX);
         let mut points = Vec::with_capacity(order.len());
         for group in order.chunk_by(|a, b| poses[*a as usize] == poses[*b as usize]) {
             let at = poses[group[0] as usize].map(|v| v as f64 * 1e-6);
-            points.extend(group.iter().take(most).map(|k| GeomWithData::new(at, *k)));
+            points.extend(group.iter().take(neighbours).map(|k| GeomWithData::new(at, *k)));
         }
         Index { tree: RTree::bulk_load(points), neighbours }
     }
@@ -30,9 +29,7 @@ impl Index {
     /// log order; metres. Those within the point's own n-th distance plus twice `half` hold them all.
     pub fn candidates(&self, point: [f64; 2], half: f64, farthest: f64) -> Vec<u32> {
         let mut radius = farthest + half;
-        if let Some(n) = self.neighbours
-            && let Some(nth) = self.tree.nearest_neighbor_iter(point).nth(n - 1)
-        {
+        if let Some(nth) = self.tree.nearest_neighbor_iter(point).nth(self.neighbours - 1) {
             let [x, y] = nth.geom();
             radius = radius.min((x - point[0]).hypot(y - point[1]) + 2.0 * half);
         }

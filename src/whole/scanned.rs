@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 
 /// Beams that a batch may hold for each of its readings: a beam takes less than a cone and its pairs.
 const BEAMS: usize = 16;
-/// Scans snapped at once.
-const TOGETHER: usize = 1024;
+/// Rays that wait to be snapped together.
+const TOGETHER: usize = 1 << 17;
 
 /// The scans of a log.
 pub struct Scanned {
@@ -25,6 +25,8 @@ pub struct Scanned {
     csm: Csm,
     store: Store,
     waiting: Vec<Scan>,
+    /// Rays of those.
+    rays: usize,
     index: Option<Index>,
     reached: BTreeMap<Place, u64>,
 }
@@ -53,17 +55,19 @@ impl Scanned {
 
     fn new(grid: &GridSpec, csm: Csm, folder: &Path, memory: u64) -> Scanned {
         let store = Store::new(folder, memory);
-        Scanned { grid: *grid, csm, store, waiting: Vec::new(), index: None, reached: BTreeMap::new() }
+        Scanned { grid: *grid, csm, store, waiting: Vec::new(), rays: 0, index: None, reached: BTreeMap::new() }
     }
 
     fn push(&mut self, scan: Scan) -> Result<()> {
+        self.rays += scan.rays.len();
         self.waiting.push(scan);
-        if self.waiting.len() == TOGETHER { self.snap() } else { Ok(()) }
+        if self.rays >= TOGETHER { self.snap() } else { Ok(()) }
     }
 
     fn snap(&mut self) -> Result<()> {
         let (csm, resolution) = (self.csm, self.grid.resolution);
         let snapped: Vec<_> = self.waiting.par_iter().map(|s| snap(s, &csm, resolution)).collect();
+        self.rays = 0;
         for (scan, snapped) in self.waiting.drain(..).zip(snapped) {
             for place in chunks(&self.grid, snapped.pose, snapped.reach) {
                 *self.reached.entry(place).or_default() += scan.used;
@@ -76,7 +80,7 @@ impl Scanned {
     /// All are there: finds where their poses are.
     fn finish(mut self) -> Result<Scanned> {
         self.snap()?;
-        self.index = Some(Index::new(&self.store.poses, self.csm.neighbours.map(usize::from)));
+        self.index = self.csm.neighbours.map(|n| Index::new(&self.store.poses, usize::from(n)));
         Ok(self)
     }
 
@@ -102,11 +106,10 @@ impl Scanned {
         limits: Limits,
         give: &mut dyn FnMut(Batch, f64, bool) -> bool,
     ) -> Result<()> {
-        let Some(index) = &self.index else { return Ok(()) };
         let beams = batch.saturating_mul(BEAMS).min(limits.readings);
         let most = Most { beams, pairs: PAIRS.min(limits.entries), one: [limits.readings, limits.entries] };
         let mut held: Option<(Batch, f64)> = None;
-        let tiles = Tiles::of(&self.grid, place, &self.store, index, &self.csm);
+        let tiles = Tiles::of(&self.grid, place, &self.store, self.index.as_ref(), &self.csm);
         let taken = tiles.batches(most, &mut |batch, share| {
             held.replace((batch, share)).is_none_or(|(batch, share)| give(batch, share, false))
         })?;

@@ -160,9 +160,18 @@ fn parameters_out_of_range() {
         "echogrid: --working 1: it draws one reading's cone, and csm-discrete takes a beam of each of a cell's nearest poses: \
          leave it out",
     );
+    let far = [&map("log.jsonl", "csm-discrete")[..], &["--bounds=-1e15,0,-0.9999999999e15,1e5", "--resolution", "2"]]
+        .concat();
+    place.refuses(
+        &far,
+        2,
+        "echogrid: --bounds begin at -1000000000000000 m: the counting sensor models map up to 2e6 m from the origin",
+    );
     // What has no effect is said.
+    let run = [&map("log.jsonl", "csm-discrete")[..], &["--classes", "no.toml"]].concat();
+    assert_eq!(place.run(&run).err, "echogrid: --classes has no effect with csm-discrete: it knows no class labels\n");
     let run = [&map("log.jsonl", "csm-continuous")[..], &["--set", "step=0.2"]].concat();
-    assert_eq!(place.run(&run).err, "echogrid: --set step has no effect with this model without free=sample\n");
+    assert_eq!(place.run(&run).err, "echogrid: --set step has no effect with free=projection\n");
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! The counting sensor models: the specification's values and sums, cases that can be worked out by hand, real labelled logs.
 
-use crate::common::{Scene, data, gpu, say};
+use crate::common::{Scene, assert_oracle, data, gpu, say};
 use crate::scenes::{bounds, laser};
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::layout::Frame;
 use echogrid::log::Options;
-use echogrid::mapper::BATCH;
+use echogrid::mapper::{BATCH, Item};
 use echogrid::method::settings::{Csm, Settings};
 use echogrid::method::{self, csm};
 use echogrid::reading::{Outcome, Pose, Reading, Record};
@@ -68,7 +68,7 @@ fn the_prior() {
 }
 
 /// Beams of one robot pose: bearing, range (infinite: none) and label.
-fn scan(at: (f64, f64), beams: &[(f64, f64, u16)], number: u64) -> Vec<(Reading, Option<(f64, f64)>)> {
+fn scan(at: (f64, f64), beams: &[(f64, f64, u16)], number: u64) -> Vec<Item> {
     let robot = Pose { x: at.0, y: at.1, heading: 0.0 };
     let item = |&(bearing, range, label): &(f64, f64, u16)| {
         let pose = Pose { heading: bearing, ..robot };
@@ -80,7 +80,7 @@ fn scan(at: (f64, f64), beams: &[(f64, f64, u16)], number: u64) -> Vec<(Reading,
 }
 
 /// A map of 20 × 9 cells of 10 cm; cell (0, 4)'s centre is (0.05, 0.45).
-fn by_hand(scans: &[Vec<(Reading, Option<(f64, f64)>)>]) -> Scene {
+fn by_hand(scans: &[Vec<Item>]) -> Scene {
     let mut sensor = laser(0.5, 80.0);
     (sensor.r_min, sensor.no_echo_range) = (0.0, 0.0);
     Scene {
@@ -171,6 +171,58 @@ fn only_so_many_poses_speak_and_of_equally_near_ones_the_earlier() {
 }
 
 #[test]
+fn where_an_increment_ends_to_count() {
+    // The cell lies 186991.5 µm beyond the hit: k is a hair below 1e-6 there, but a whole µm is what decides.
+    let mut scene = by_hand(&[scan((0.0, 0.0), &[(0.0, 1.0, 0)], 0)]);
+    let reach = f64::from(csm::reach(&model("csm-continuous")));
+    assert_eq!(reach, 186_992.0);
+    for (dx, dy, touched) in
+        [(0.18699, 0.000749, true), (0.186991, 0.0, true), (0.186992, 0.0, false), (0.187, 0.0, false)]
+    {
+        scene.grid = bounds([1.0 + dx - 0.05, dy - 0.05, 1.0 + dx + 0.05, dy + 0.05], 0.1);
+        let settings = settings("csm-continuous", &[]);
+        let oracle = scene.oracle(settings);
+        assert_eq!(oracle.is_touched(0), touched, "{dx}, {dy}");
+        assert_oracle("the end of an increment, cpu", &scene.cpu(settings), &oracle);
+        if let Some(run) = scene.gpu(settings) {
+            assert_oracle("the end of an increment, gpu", &run, &oracle);
+        }
+    }
+    // Two of them together are more than 1e-6, and touch.
+    let twice = [scan((0.0, 0.0), &[(0.0, 1.0, 0)], 0), scan((0.0, 0.0), &[(0.0, 1.0, 0)], 1)];
+    let mut scene = by_hand(&twice);
+    scene.grid = bounds([1.137, -0.05, 1.237, 0.05], 0.1);
+    let oracle = scene.oracle(settings("csm-continuous", &[]));
+    assert!(oracle.is_touched(0) && oracle.updates == 0);
+    assert_oracle("two small increments, cpu", &scene.cpu(settings("csm-continuous", &[])), &oracle);
+}
+
+/// Hundreds of poses within a millimetre: a tile's candidates are looked through, and none is lost.
+#[test]
+fn a_parked_robot_that_trembles() {
+    let mut random = crate::scenes::Random::new(9);
+    let scans: Vec<_> = (0..700)
+        .map(|n| {
+            let at = (1.0 + random.within(-0.001, 0.001), 0.4 + random.within(-0.001, 0.001));
+            let beams: Vec<_> =
+                (0..4).map(|k| (f64::from(k) * 1.5 + random.within(-0.4, 0.4), random.within(0.1, 1.0), 0)).collect();
+            scan(at, &beams, n)
+        })
+        .collect();
+    let mut scene = by_hand(&scans);
+    scene.grid = bounds([0.0, 0.0, 2.0, 0.9], 0.02);
+    for (name, keys) in [("csm-discrete", &[("w_beam", "60deg")][..]), ("csm-continuous", &[])] {
+        let settings = settings(name, keys);
+        let oracle = scene.oracle(settings);
+        assert!(oracle.updates > 5_000, "{}", oracle.updates);
+        let run = scene.cpu(settings);
+        assert_oracle(&format!("parked {name} cpu"), &run, &oracle);
+        // Of 700 candidates for each of 24 tiles few are left.
+        assert!(run.work.entries < 24 * 350, "{}", run.work.entries);
+    }
+}
+
+#[test]
 fn the_continuous_update_by_its_formula() {
     let scene = by_hand(&[scan((0.05, 0.45), &[(0.0, 1.2, 0)], 0)]);
     let k = |d: f64| {
@@ -230,7 +282,8 @@ fn the_intel_lab() {
     let bounds = Some([-15.0675, -25.0675, -15.0675 + 261.0 * 0.135, -25.0675 + 261.0 * 0.135]);
     let labelled = [6962.0, 4529.0, 3461.0, 3565.0, 2672.0, 5134.0];
     let spread = [357.4353, 219.8561, 168.4136, 174.7209, 134.8921, 256.2504];
-    let wanted: [(&str, usize, usize, Option<[usize; 3]>, Vec<f64>); 4] = [
+    type Wanted = (&'static str, usize, usize, Option<[usize; 3]>, Vec<f64>);
+    let wanted: [Wanted; 4] = [
         ("csm-discrete", 0, 30382, Some([5309, 24542, 531]), vec![26323.0, 167786.0]),
         ("csm-continuous", 0, 31419, Some([4003, 27415, 1]), vec![1311.568, 18505.009]),
         ("csm-semantic-discrete", 1, 30382, None, [&labelled[..], &[167786.0]].concat()),

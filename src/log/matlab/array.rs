@@ -46,8 +46,12 @@ pub(super) struct Variables {
 type Read_<T> = Result<T, String>;
 
 const HEADER: usize = 128;
-/// A variable may unpack to so much, bytes.
-const LARGEST: u64 = 1 << 30;
+/// What a file may come to in memory, bytes: packed, unpacked, and as numbers.
+pub(super) const LARGEST: u64 = 1 << 29;
+/// So much of a packed variable tells what it is.
+const GLANCE: u64 = 4096;
+/// What an array takes besides its numbers, bytes.
+const ARRAY: u64 = 64;
 /// Cells in cells, structs in structs.
 const DEEPEST: usize = 8;
 
@@ -67,37 +71,69 @@ pub(super) fn read(bytes: &[u8], wanted: &[&str]) -> Read_<Variables> {
         }
         Some(_) => {}
     }
+    let mut budget = Budget(LARGEST);
+    budget.take(bytes.len() as u64)?;
     let mut rest = Bytes { all: bytes, at: HEADER };
     while !rest.ended() {
         let at = rest.at;
         let inside = |what: String| format!("byte {at}: {what}");
         let (kind, body) = rest.element().map_err(inside)?;
-        let mut unpacked = Vec::new();
-        let body = match kind {
-            COMPRESSED => {
-                let mut unpack = ZlibDecoder::new(body).take(LARGEST);
-                unpack.read_to_end(&mut unpacked).map_err(|e| inside(format!("a packed variable is damaged: {e}")))?;
-                if unpacked.len() as u64 == LARGEST {
-                    return Err(inside("a variable of more than 1 GiB".into()));
-                }
-                let mut inner = Bytes { all: &unpacked, at: 0 };
-                match inner.element().map_err(inside)? {
-                    (MATRIX, body) => body,
-                    _ => continue,
-                }
-            }
-            MATRIX => body,
+        let name = match kind {
+            COMPRESSED => glance(body),
+            MATRIX => Head::of(&mut Bytes { all: body, at: 0 }).map(|head| head.name),
             _ => continue,
         };
-        let mut body = Bytes { all: body, at: 0 };
-        let head = Head::of(&mut body).map_err(inside)?;
-        if wanted.contains(&head.name.as_str()) {
-            let array = head.array(&mut body, 0).map_err(|what| format!("{}: {what}", head.name))?;
-            found.wanted.insert(head.name.clone(), array);
+        // What is wrong with another variable is none of ours.
+        let Ok(name) = name else { continue };
+        if wanted.contains(&name.as_str()) {
+            let array = match kind {
+                COMPRESSED => unpack(body, &mut budget).and_then(|unpacked| {
+                    let (_, body) = Bytes { all: &unpacked, at: 0 }.element()?;
+                    array(body, &mut budget)
+                }),
+                _ => array(body, &mut budget),
+            };
+            found.wanted.insert(name.clone(), array.map_err(|what| format!("{name}: {what}"))?);
         }
-        found.names.push(head.name);
+        found.names.push(name);
     }
     Ok(found)
+}
+
+/// The name of a packed variable.
+fn glance(packed: &[u8]) -> Read_<String> {
+    let mut first = Vec::new();
+    // A stream that is longer, or damaged later on, has told enough by then.
+    let _ = ZlibDecoder::new(packed).take(GLANCE).read_to_end(&mut first);
+    let mut bytes = Bytes { all: &first, at: 0 };
+    if bytes.word()? != MATRIX {
+        return Err("no array".into());
+    }
+    bytes.word()?;
+    Ok(Head::of(&mut bytes)?.name)
+}
+
+fn unpack(packed: &[u8], budget: &mut Budget) -> Read_<Vec<u8>> {
+    let mut unpacked = Vec::new();
+    let read = ZlibDecoder::new(packed).take(budget.0 + 1).read_to_end(&mut unpacked);
+    read.map_err(|e| format!("is packed, and damaged: {e}"))?;
+    budget.take(unpacked.len() as u64)?;
+    Ok(unpacked)
+}
+
+fn array(body: &[u8], budget: &mut Budget) -> Read_<Array> {
+    let mut body = Bytes { all: body, at: 0 };
+    Head::of(&mut body)?.array(&mut body, 0, budget)
+}
+
+/// Bytes that may still be taken.
+struct Budget(u64);
+
+impl Budget {
+    fn take(&mut self, bytes: u64) -> Read_<()> {
+        self.0 = self.0.checked_sub(bytes).ok_or("is more than 512 MiB to read: save fewer scans in a file")?;
+        Ok(())
+    }
 }
 
 /// Bytes being read.
@@ -137,7 +173,7 @@ impl<'a> Bytes<'a> {
         let size = self.word()? as usize;
         let part = self.take(size)?;
         if first != COMPRESSED {
-            self.at = self.at.next_multiple_of(8).min(self.all.len());
+            self.at = (self.at + size.next_multiple_of(8) - size).min(self.all.len());
         }
         Ok((first, part))
     }
@@ -178,21 +214,22 @@ impl Head {
         product.ok_or_else(|| format!("dimensions {:?} are too large", self.sizes))
     }
 
-    fn array(&self, body: &mut Bytes, depth: usize) -> Read_<Array> {
+    fn array(&self, body: &mut Bytes, depth: usize, budget: &mut Budget) -> Read_<Array> {
         if depth > DEEPEST {
             return Err("cells and structs are nested too deep".into());
         }
         let count = self.count()?;
-        let inner = |body: &mut Bytes| -> Read_<Array> {
+        let inner = |body: &mut Bytes, budget: &mut Budget| -> Read_<Array> {
+            budget.take(ARRAY)?;
             let part = body.expect(MATRIX, "element")?;
             if part.is_empty() {
                 return Ok(Array::Numbers { rows: 0, values: Vec::new() });
             }
             let mut part = Bytes { all: part, at: 0 };
-            Head::of(&mut part)?.array(&mut part, depth + 1)
+            Head::of(&mut part)?.array(&mut part, depth + 1, budget)
         };
         match self.class {
-            1 => (0..count).map(|_| inner(body)).collect::<Read_<_>>().map(Array::Cells),
+            1 => (0..count).map(|_| inner(body, budget)).collect::<Read_<_>>().map(Array::Cells),
             2 if count == 1 => {
                 let length = words(body.expect(INT32, "field name length")?);
                 let length = length.first().map_or(0, |l| *l as usize);
@@ -203,14 +240,14 @@ impl Head {
                 let name = |part: &[u8]| {
                     String::from_utf8_lossy(part.split(|b| *b == 0).next().unwrap_or_default()).into_owned()
                 };
-                let fields = names.chunks_exact(length).map(|part| Ok((name(part), inner(body)?)));
+                let fields = names.chunks_exact(length).map(|part| Ok((name(part), inner(body, budget)?)));
                 fields.collect::<Read_<_>>().map(Array::Struct)
             }
             2 => Ok(Array::Other("an array of structs")),
             6..=15 if self.complex => Ok(Array::Other("an array of complex numbers")),
             6..=15 => {
                 let (kind, part) = body.element()?;
-                let values = numbers(kind, part)?;
+                let values = numbers(kind, part, budget)?;
                 match values.len() {
                     found if found == count => {
                         Ok(Array::Numbers { rows: self.sizes.first().map_or(0, |r| *r as usize), values })
@@ -226,13 +263,14 @@ impl Head {
 }
 
 /// Numbers of any type as f64: MATLAB stores them in the smallest that holds them.
-fn numbers(kind: u32, part: &[u8]) -> Read_<Vec<f64>> {
+fn numbers(kind: u32, part: &[u8], budget: &mut Budget) -> Read_<Vec<f64>> {
     macro_rules! all {
-        ($t:ty) => {
+        ($t:ty) => {{
+            budget.take((part.len() / size_of::<$t>() * size_of::<f64>()) as u64)?;
             part.chunks_exact(size_of::<$t>())
                 .map(|b| <$t>::from_le_bytes(b.try_into().unwrap_or_default()) as f64)
                 .collect()
-        };
+        }};
     }
     Ok(match kind {
         1 => all!(i8),
