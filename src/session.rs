@@ -143,13 +143,18 @@ impl Session {
 
     /// The scans to map, in log order, for a method that takes them.
     pub fn scans(&self) -> Result<impl Iterator<Item = Result<Scan>> + '_> {
+        self.scans_first(u64::MAX)
+    }
+
+    /// The same up to the `count`-th used reading.
+    fn scans_first(&self, count: u64) -> Result<impl Iterator<Item = Result<Scan>> + '_> {
         let records = self.log.records()?.filter_map(|record| match record {
             Ok(record) => Some(Ok(record)),
             Err(Problem::Fatal(e)) => Some(Err(e)),
             Err(Problem::Line(_)) => None,
         });
         let labels = self.classes.as_ref().map_or(0, Classes::count);
-        Ok(Scans::new(records, self.sensors(), labels, self.until, self.log.path()))
+        Ok(Scans::new(records, self.sensors(), labels, self.until.min(count), self.log.path()))
     }
 
     /// The readings to map, in log order, bad lines and unused records left out.
@@ -186,7 +191,8 @@ impl Session {
     ) -> Result<Mapped> {
         if let Settings::Csm(csm) = self.method.settings() {
             let here = (std::env::temp_dir(), u64::MAX);
-            let scanned = Scanned::read(&self.grid, csm, self.scans()?, (&here.0, here.1), &|_| {})?;
+            let scans = self.scans_first(count as u64)?;
+            let scanned = Scanned::read(&self.grid, csm, scans, (&here.0, here.1), &|_| {})?;
             let work = scanned.apply(self.method.as_ref(), backend, batch, progress)?;
             let finished =
                 layers::from_chunks(&self.grid, self.method.as_ref(), &backend.finish(self.method.as_ref())?);

@@ -16,6 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 mod array;
+mod bytes;
 
 /// Half the usual beam spacing of such lasers, degrees.
 const HALF_WIDTH: f64 = 0.5;

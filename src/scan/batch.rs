@@ -4,7 +4,7 @@
 //! one of their cells, in the whole log: so the choice doesn't depend on how the work is split. Where it takes all poses, their
 //! order doesn't matter, and a batch is some of the scans with all tiles that they reach.
 
-use super::order::place;
+use super::area::Area;
 use super::{Index, Store, micrometres};
 use crate::batch::{Batch, ChunkList};
 use crate::grid::GridSpec;
@@ -34,12 +34,6 @@ pub struct Tiles<'a> {
 struct Listed {
     at: [usize; 2],
     scans: Vec<u32>,
-}
-
-/// A box of cell centres, µm from the chunk's first.
-struct Box2 {
-    low: [i32; 2],
-    high: [i32; 2],
 }
 
 /// Where a tile has more candidates than this for each of the nearest, a parked robot say, they are looked through.
@@ -152,11 +146,11 @@ impl<'a> Tiles<'a> {
     }
 
     /// The box of the cells from one to before another.
-    fn extent(&self, from: [usize; 2], to: [usize; 2]) -> Box2 {
-        Box2 { low: [0, 1].map(|k| self.centres[k][from[k]]), high: [0, 1].map(|k| self.centres[k][to[k] - 1]) }
+    fn extent(&self, from: [usize; 2], to: [usize; 2]) -> Area {
+        Area { low: [0, 1].map(|k| self.centres[k][from[k]]), high: [0, 1].map(|k| self.centres[k][to[k] - 1]) }
     }
 
-    fn tile(&self, at: [usize; 2]) -> Box2 {
+    fn tile(&self, at: [usize; 2]) -> Area {
         let from = at.map(|t| t * TILE);
         self.extent(from, [0, 1].map(|k| (from[k] + TILE).min(self.size[k])))
     }
@@ -167,7 +161,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// Whether one of the scan's beams may touch a cell of the box.
-    fn reaches(&self, scan: u32, area: &Box2) -> bool {
+    fn reaches(&self, scan: u32, area: &Area) -> bool {
         let reach = f64::from(self.store.reaches[scan as usize]);
         reach > 0.0 && area.square(self.pose(scan)) <= reach * reach
     }
@@ -187,7 +181,7 @@ impl<'a> Tiles<'a> {
 
     /// Of these scans those to which not n others are nearer all over the tile: the rest is never among the n nearest. The
     /// difference of two squared distances is linear in the place, so what holds at the corners holds between them.
-    fn undominated(&self, area: &Box2, scans: &[u32], n: usize) -> Vec<u32> {
+    fn undominated(&self, area: &Area, scans: &[u32], n: usize) -> Vec<u32> {
         let corners = area.corners().map(|c| c.map(f64::from));
         // f64 holds the squares of what is nearer than 90 m exactly; the rest says nothing.
         let squares = |scan: &u32| {
@@ -253,7 +247,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// Whether a beam that may be the nearest of a cell of the box may touch one.
-    fn touches(&self, area: &Box2, pose: [i32; 2], beams: &[Beam], [low, high]: [u32; 2]) -> bool {
+    fn touches(&self, area: &Area, pose: [i32; 2], beams: &[Beam], [low, high]: [u32; 2]) -> bool {
         let distance = area.square(pose.map(i64::from)).sqrt();
         let margin = match self.csm.continuous {
             true => self.csm.l * 1e6,
@@ -264,35 +258,5 @@ impl<'a> Tiles<'a> {
             let beam = &beams[if k >= n { 0 } else { k as usize }];
             beam.id & IDLE == 0 && distance <= f64::from(beam.range) + margin + 1.0
         })
-    }
-}
-
-impl Box2 {
-    /// Square of the distance from a point to the nearest of its points.
-    fn square(&self, at: [i64; 2]) -> f64 {
-        let away = |k: usize| (i64::from(self.low[k]) - at[k]).max(at[k] - i64::from(self.high[k])).max(0) as f64;
-        away(0) * away(0) + away(1) * away(1)
-    }
-
-    fn corners(&self) -> [[i32; 2]; 4] {
-        let ([x0, y0], [x1, y1]) = (self.low, self.high);
-        [[x0, y0], [x1, y0], [x0, y1], [x1, y1]]
-    }
-
-    /// The least and the largest place among the bounds of a scan's beams that a cell of the box may have.
-    fn places(&self, pose: [i32; 2], beams: &[Beam]) -> [u32; 2] {
-        let n = beams.len() as u32;
-        if n == 1 {
-            return [0, 0];
-        }
-        let low = [0, 1].map(|k| self.low[k].wrapping_sub(pose[k]));
-        let high = [0, 1].map(|k| self.high[k].wrapping_sub(pose[k]));
-        // The corners have the extremes, unless the pose lies among them or their bearings pass +x.
-        let passes = low[1] <= 0 && high[1] >= 0 && high[0] >= 0;
-        if passes {
-            return [0, n];
-        }
-        let places = Box2 { low, high }.corners().map(|v| place(beams, v, 0, n));
-        [places.into_iter().fold(n, u32::min), places.into_iter().fold(0, u32::max)]
     }
 }

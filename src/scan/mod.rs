@@ -3,6 +3,7 @@
 //! Poses, hits, ranges and cell centres are rounded to 1 µm, directions to 2⁻²⁵, and every choice is made in integers of at most
 //! 53 bits: the nearest poses by squared distance, the nearest beam by cross products.
 
+mod area;
 mod batch;
 mod index;
 mod order;

@@ -1,5 +1,6 @@
 //! The arrays of a version 5 `.mat` file: those that a log is made of, every size checked before it is trusted.
 
+use super::bytes::{Budget, Bytes, words};
 use flate2::read::ZlibDecoder;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -43,7 +44,8 @@ pub(super) struct Variables {
     pub names: Vec<String>,
 }
 
-type Read_<T> = Result<T, String>;
+/// What was read, or what is wrong with it.
+pub(super) type Read_<T> = Result<T, String>;
 
 const HEADER: usize = 128;
 /// What a file may come to in memory, bytes: packed, unpacked, and as numbers.
@@ -59,7 +61,8 @@ const INT8: u32 = 1;
 const INT32: u32 = 5;
 const UINT32: u32 = 6;
 const MATRIX: u32 = 14;
-const COMPRESSED: u32 = 15;
+/// Data type of a packed element.
+pub(super) const COMPRESSED: u32 = 15;
 
 /// Reads the variables of these names; the error doesn't name the file.
 pub(super) fn read(bytes: &[u8], wanted: &[&str]) -> Read_<Variables> {
@@ -124,71 +127,6 @@ fn unpack(packed: &[u8], budget: &mut Budget) -> Read_<Vec<u8>> {
 fn array(body: &[u8], budget: &mut Budget) -> Read_<Array> {
     let mut body = Bytes { all: body, at: 0 };
     Head::of(&mut body)?.array(&mut body, 0, budget)
-}
-
-/// Bytes that may still be taken.
-struct Budget(u64);
-
-impl Budget {
-    fn take(&mut self, bytes: u64) -> Read_<()> {
-        self.0 = self.0.checked_sub(bytes).ok_or("is more than 512 MiB to read: save fewer scans in a file")?;
-        Ok(())
-    }
-}
-
-/// Bytes being read.
-struct Bytes<'a> {
-    all: &'a [u8],
-    at: usize,
-}
-
-impl<'a> Bytes<'a> {
-    fn ended(&self) -> bool {
-        self.at >= self.all.len()
-    }
-
-    fn take(&mut self, count: usize) -> Read_<&'a [u8]> {
-        let part = self.at.checked_add(count).and_then(|end| self.all.get(self.at..end));
-        let left = self.all.len() - self.at.min(self.all.len());
-        let part =
-            part.ok_or_else(|| format!("the file is cut off or damaged: {count} bytes are wanted, {left} are left"))?;
-        self.at += count;
-        Ok(part)
-    }
-
-    fn word(&mut self) -> Read_<u32> {
-        Ok(u32::from_le_bytes(self.take(4)?.try_into().unwrap_or_default()))
-    }
-
-    /// A data element: its type and its bytes.
-    fn element(&mut self) -> Read_<(u32, &'a [u8])> {
-        let first = self.word()?;
-        // Up to four bytes lie in the tag itself.
-        if first >> 16 != 0 {
-            let part = self.take(4)?;
-            let size = (first >> 16) as usize;
-            let part = part.get(..size).ok_or_else(|| format!("a small element of {size} bytes"))?;
-            return Ok((first & 0xffff, part));
-        }
-        let size = self.word()? as usize;
-        let part = self.take(size)?;
-        if first != COMPRESSED {
-            self.at = (self.at + size.next_multiple_of(8) - size).min(self.all.len());
-        }
-        Ok((first, part))
-    }
-
-    /// A data element of this type.
-    fn expect(&mut self, kind: u32, what: &str) -> Read_<&'a [u8]> {
-        match self.element()? {
-            (found, part) if found == kind => Ok(part),
-            (found, _) => Err(format!("its {what} has data type {found}, not {kind}: the file is damaged")),
-        }
-    }
-}
-
-fn words(part: &[u8]) -> Vec<u32> {
-    part.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap_or_default())).collect()
 }
 
 /// What an array says of itself before its values.

@@ -1,0 +1,71 @@
+//! The elements that a version 5 `.mat` file consists of, every size checked before it is trusted.
+
+use super::array::{COMPRESSED, Read_};
+
+/// Bytes that may still be taken.
+pub(super) struct Budget(pub u64);
+
+impl Budget {
+    pub fn take(&mut self, bytes: u64) -> Read_<()> {
+        self.0 = self.0.checked_sub(bytes).ok_or("is more than 512 MiB to read: save fewer scans in a file")?;
+        Ok(())
+    }
+}
+
+/// Bytes being read.
+pub(super) struct Bytes<'a> {
+    /// All of them.
+    pub all: &'a [u8],
+    /// How many were read.
+    pub at: usize,
+}
+
+impl<'a> Bytes<'a> {
+    pub fn ended(&self) -> bool {
+        self.at >= self.all.len()
+    }
+
+    pub fn take(&mut self, count: usize) -> Read_<&'a [u8]> {
+        let part = self.at.checked_add(count).and_then(|end| self.all.get(self.at..end));
+        let left = self.all.len() - self.at.min(self.all.len());
+        let part =
+            part.ok_or_else(|| format!("the file is cut off or damaged: {count} bytes are wanted, {left} are left"))?;
+        self.at += count;
+        Ok(part)
+    }
+
+    pub fn word(&mut self) -> Read_<u32> {
+        Ok(u32::from_le_bytes(self.take(4)?.try_into().unwrap_or_default()))
+    }
+
+    /// A data element: its type and its bytes.
+    pub fn element(&mut self) -> Read_<(u32, &'a [u8])> {
+        let first = self.word()?;
+        // Up to four bytes lie in the tag itself.
+        if first >> 16 != 0 {
+            let part = self.take(4)?;
+            let size = (first >> 16) as usize;
+            let part = part.get(..size).ok_or_else(|| format!("a small element of {size} bytes"))?;
+            return Ok((first & 0xffff, part));
+        }
+        let size = self.word()? as usize;
+        let part = self.take(size)?;
+        if first != COMPRESSED {
+            self.at = (self.at + size.next_multiple_of(8) - size).min(self.all.len());
+        }
+        Ok((first, part))
+    }
+
+    /// A data element of this type.
+    pub fn expect(&mut self, kind: u32, what: &str) -> Read_<&'a [u8]> {
+        match self.element()? {
+            (found, part) if found == kind => Ok(part),
+            (found, _) => Err(format!("its {what} has data type {found}, not {kind}: the file is damaged")),
+        }
+    }
+}
+
+/// Its 32-bit words.
+pub(super) fn words(part: &[u8]) -> Vec<u32> {
+    part.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap_or_default())).collect()
+}
