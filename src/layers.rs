@@ -6,6 +6,7 @@ use crate::layout::{CHUNK, TILE, TILE_CELLS};
 use crate::mapper::{Finished, Visits};
 use crate::method::{self, Method, Unit};
 use crate::oracle::OracleMap;
+use rayon::prelude::*;
 
 /// Layers under way: every cell untouched.
 struct Layers<'a> {
@@ -38,18 +39,24 @@ impl<'a> Layers<'a> {
         }
     }
 
-    /// Sets a touched cell.
-    fn set(&mut self, k: usize, [interior, arc, mark]: [u32; 3], values: &[f32], class: Class) {
-        self.touched[k] = 1;
-        self.class[k] = class as i8;
-        self.combined[k] = self.method.combined(values, class);
-        (self.visits.interior[k], self.visits.arc[k]) = (interior, arc);
-        if let Some(marks) = self.visits.marks.get_mut(k) {
-            *marks = mark;
-        }
-        for (layer, value) in self.values.iter_mut().zip(values) {
-            layer[k] = *value;
-        }
+    /// Every so many rows of cells by themselves.
+    fn bands(&mut self, rows: usize) -> Vec<Band<'_>> {
+        let cells = (rows * self.grid.width).max(1);
+        let count = self.combined.len().div_ceil(cells);
+        let mut values: Vec<_> = self.values.iter_mut().map(|layer| layer.chunks_mut(cells)).collect();
+        let mut combined = self.combined.chunks_mut(cells);
+        let (mut touched, mut class) = (self.touched.chunks_mut(cells), self.class.chunks_mut(cells));
+        let Visits { interior, arc, marks } = &mut self.visits;
+        let mut visits = [interior, arc, marks].map(|counts| counts.chunks_mut(cells));
+        let band = |_| Band {
+            method: self.method,
+            values: values.iter_mut().map(|layer| layer.next().unwrap_or_default()).collect(),
+            combined: combined.next().unwrap_or_default(),
+            touched: touched.next().unwrap_or_default(),
+            class: class.next().unwrap_or_default(),
+            visits: visits.each_mut().map(|counts| counts.next().unwrap_or_default()),
+        };
+        (0..count).map(band).collect()
     }
 
     fn finish(self) -> Finished {
@@ -73,6 +80,35 @@ impl<'a> Layers<'a> {
 }
 
 const SIGNED: Scale = Scale::Signed { limit: 1.0 };
+
+/// Some rows of the layers under way.
+struct Band<'a> {
+    method: &'a dyn Method,
+    values: Vec<&'a mut [f32]>,
+    combined: &'a mut [f32],
+    touched: &'a mut [u8],
+    class: &'a mut [i8],
+    /// Interior, arc, marks.
+    visits: [&'a mut [u32]; 3],
+}
+
+impl Band<'_> {
+    /// Sets a touched cell, counted from the band's first.
+    fn set(&mut self, k: usize, visits: [u32; 3], values: &[f32], class: Class) {
+        self.touched[k] = 1;
+        self.class[k] = class as i8;
+        self.combined[k] = self.method.combined(values, class);
+        for (counts, count) in self.visits.iter_mut().zip(visits) {
+            // A method without marks has no room for them.
+            if let Some(place) = counts.get_mut(k) {
+                *place = count;
+            }
+        }
+        for (layer, value) in self.values.iter_mut().zip(values) {
+            layer[k] = *value;
+        }
+    }
+}
 
 fn layer(name: &str, about: &'static str, data: Data, fill: f64, scale: Scale) -> Layer {
     Layer { name: name.into(), about, data, fill, scale }
@@ -110,19 +146,31 @@ pub fn of_classes(grid: GridSpec, method: &str, class: Vec<i8>) -> Map {
 /// The map of a kernel's chunks.
 pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Finished {
     let mut layers = Layers::new(grid, method);
+    let bands = layers.bands(TILE).into_par_iter().enumerate();
+    let gains: Vec<Vec<f64>> = bands.map(|(row, band)| fill(grid, method, chunks, row, band)).collect();
+    let mut increments = Vec::new();
+    gains.iter().for_each(|gains| add(gains, &mut increments));
+    layers.increments = increments;
+    layers.finish()
+}
+
+/// Fills a row of tiles; what its cells' α gained.
+fn fill(grid: &GridSpec, method: &dyn Method, chunks: &Chunks, row: usize, mut band: Band) -> Vec<f64> {
     let mut cell = vec![0u32; method::planes(method)];
     let mut values = vec![0f32; method.layers().len()];
-    let faint = method.unit() == Unit::Scan;
-    for (place, state) in chunks {
-        for (slot, tile) in state.chunks_exact(method::tile_words(method)).enumerate() {
+    let (faint, words, mut gains) = (method.unit() == Unit::Scan, method::tile_words(method), Vec::new());
+    let rows = TILE.min(grid.height - row * TILE);
+    let chunk_row = (row / CHUNK) as u32;
+    for (place, state) in chunks.range([chunk_row, 0]..=[chunk_row, u32::MAX]) {
+        let tiles = state.chunks_exact(words).skip(row % CHUNK * CHUNK).take(CHUNK);
+        for (column, tile) in tiles.enumerate() {
             if faint && tile.iter().all(|word| *word == 0) {
                 continue;
             }
-            let x0 = (place[1] as usize * CHUNK + slot % CHUNK) * TILE;
-            let y0 = (place[0] as usize * CHUNK + slot / CHUNK) * TILE;
-            for y in y0..(y0 + TILE).min(grid.height) {
+            let x0 = (place[1] as usize * CHUNK + column) * TILE;
+            for y in 0..rows {
                 for x in x0..(x0 + TILE).min(grid.width) {
-                    let at = (y - y0) * TILE + x - x0;
+                    let at = y * TILE + x - x0;
                     let updated = tile[at] + tile[TILE_CELLS + at] > 0;
                     if !updated && !faint {
                         continue;
@@ -133,15 +181,15 @@ pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Fin
                     if !updated && !method.faint(&cell) {
                         continue;
                     }
-                    method.gains(&cell, &mut layers.increments);
+                    method.gains(&cell, &mut gains);
                     let class = method.values(&cell, &mut values);
                     let mark = method.marks().map_or(0, |plane| cell[2 + plane]);
-                    layers.set(y * grid.width + x, [cell[0], cell[1], mark], &values, class);
+                    band.set(y * grid.width + x, [cell[0], cell[1], mark], &values, class);
                 }
             }
         }
     }
-    layers.finish()
+    gains
 }
 
 /// Adds numbers to sums, one by one.
@@ -153,6 +201,9 @@ pub(crate) fn add(numbers: &[f64], sums: &mut Vec<f64>) {
 /// The map of the oracle's values.
 pub fn from_oracle(oracle: &OracleMap, method: &dyn Method) -> Finished {
     let mut layers = Layers::new(&oracle.grid, method);
+    let mut increments = Vec::new();
+    let mut bands = layers.bands(oracle.grid.height);
+    let Some(band) = bands.first_mut() else { return layers.finish() };
     for k in 0..oracle.grid.cells() {
         if oracle.is_touched(k) {
             let values: Vec<f32> = oracle.layers.iter().map(|l| l.values[k] as f32).collect();
@@ -162,10 +213,11 @@ pub fn from_oracle(oracle: &OracleMap, method: &dyn Method) -> Finished {
                 _ => Class::Empty,
             };
             let gains = oracle.gains.get(k).map_or(&[][..], |g| g);
-            add(gains, &mut layers.increments);
+            add(gains, &mut increments);
             let mark = oracle.marks.get(k).copied().unwrap_or(0);
-            layers.set(k, [oracle.interior[k], oracle.arc[k], mark], &values, class);
+            band.set(k, [oracle.interior[k], oracle.arc[k], mark], &values, class);
         }
     }
+    layers.increments = increments;
     layers.finish()
 }

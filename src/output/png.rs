@@ -3,7 +3,7 @@
 
 use super::unwritable;
 use crate::Result;
-use crate::grid::{GridSpec, Layer, Map, Scale};
+use crate::grid::{Data, GridSpec, Layer, Map, Scale};
 use png::{BitDepth, ColorType, Compression, Encoder, Filter};
 use rayon::prelude::*;
 use std::fs::File;
@@ -22,9 +22,10 @@ const MIDDLE: u8 = 128;
 /// Writes one layer of a map as a PNG. A picture of more than 4096 pixels a side is reduced by a power of two; a pixel then
 /// shows the cell of its block with the largest magnitude.
 pub fn write_picture(path: &Path, map: &Map, layer: &Layer) -> Result<()> {
-    let (extent, mut pixels) = entries(map, layer, factor(&map.grid));
-    flip(&mut pixels, extent[0]);
-    save(path, extent, layer.scale, &pixels)
+    let shown = Shown::of(map, layer).reduced(factor(&map.grid));
+    let mut pixels = shown.entries();
+    flip(&mut pixels, shown.extent[0]);
+    save(path, shown.extent, layer.scale, &pixels)
 }
 
 /// By how much a grid's pictures are reduced: a power of two, so that no block lies in two chunks.
@@ -37,35 +38,69 @@ pub(super) fn reduced(grid: &GridSpec, factor: usize) -> [usize; 2] {
     [grid.width.div_ceil(factor), grid.height.div_ceil(factor)]
 }
 
-/// A layer's palette entries, reduced by a factor, bottom row first, and their extent.
-pub(super) fn entries(map: &Map, layer: &Layer, factor: usize) -> ([usize; 2], Vec<u8>) {
-    let grid = &map.grid;
-    let [width, height] = reduced(grid, factor);
-    let touched = map.layer("touched").filter(|_| layer.name != "touched").map(|t| &t.data);
-    let value = |k: usize| {
-        let seen = touched.is_none_or(|t| t.get(k) != 0.0);
-        Some(layer.data.get(k)).filter(|v| seen && !v.is_nan())
-    };
-    let mut pixels = vec![0; width * height];
-    pixels.par_chunks_mut(width).enumerate().for_each(|(line, pixels)| {
-        let row = line * factor;
-        for (column, pixel) in pixels.iter_mut().enumerate().map(|(c, p)| (c * factor, p)) {
-            let rows = row..(row + factor).min(grid.height);
-            let columns = column..(column + factor).min(grid.width);
-            let block = rows.flat_map(|r| columns.clone().map(move |c| r * grid.width + c)).filter_map(value);
-            let strongest = block.reduce(|best, v| if stronger(layer.scale, v, best) { v } else { best });
-            *pixel = strongest.map_or(0, |v| entry(layer.scale, v));
-        }
-    });
-    ([width, height], pixels)
+/// A layer's values as a picture shows them, bottom row first; it can be reduced, half by half.
+pub(super) struct Shown {
+    extent: [usize; 2],
+    scale: Scale,
+    /// Not a number where no reading reached.
+    values: Vec<f32>,
 }
 
-/// Whether a block of cells shows this value rather than that: the larger magnitude; of classes the lower one, as walls are
-/// thinner than what is free, and any rather than none.
-fn stronger(scale: Scale, value: f64, than: f64) -> bool {
+impl Shown {
+    /// Of a layer in full.
+    pub fn of(map: &Map, layer: &Layer) -> Shown {
+        let mut values: Vec<f32> = match &layer.data {
+            Data::F32(v) => v.clone(),
+            Data::U32(v) => v.par_iter().map(|v| *v as f32).collect(),
+            Data::U8(v) => v.par_iter().map(|v| f32::from(*v)).collect(),
+            Data::I8(v) => v.par_iter().map(|v| f32::from(*v)).collect(),
+        };
+        let touched = map.layer("touched").filter(|_| layer.name != "touched").map(|t| &t.data);
+        if let Some(Data::U8(touched)) = touched {
+            values.par_iter_mut().zip(touched).for_each(|(v, seen)| *v = if *seen != 0 { *v } else { f32::NAN });
+        }
+        Shown { extent: [map.grid.width, map.grid.height], scale: layer.scale, values }
+    }
+
+    /// Half as many a side: each shows the strongest of four.
+    pub fn half(&self) -> Shown {
+        let [width, height] = self.extent;
+        let extent = [width.div_ceil(2), height.div_ceil(2)];
+        let scale = self.scale;
+        let mut values = vec![f32::NAN; extent[0] * extent[1]];
+        values.par_chunks_mut(extent[0].max(1)).zip(self.values.par_chunks(2 * width.max(1))).for_each(
+            |(line, rows)| {
+                for row in rows.chunks(width) {
+                    for (value, pair) in line.iter_mut().zip(row.chunks(2)) {
+                        for v in pair {
+                            let better = !v.is_nan() && (value.is_nan() || stronger(scale, *v, *value));
+                            *value = if better { *v } else { *value };
+                        }
+                    }
+                }
+            },
+        );
+        Shown { extent, scale, values }
+    }
+
+    /// Reduced by a power of two.
+    pub fn reduced(self, factor: usize) -> Shown {
+        (0..factor.trailing_zeros()).fold(self, |shown, _| shown.half())
+    }
+
+    /// Its palette entries.
+    pub fn entries(&self) -> Vec<u8> {
+        let scale = self.scale;
+        self.values.par_iter().map(|v| if v.is_nan() { 0 } else { entry(scale, f64::from(*v)) }).collect()
+    }
+}
+
+/// Whether a block of cells shows this value rather than that: the larger magnitude, of equal ones what is occupied; of classes the
+/// lower one, as walls are thinner than what is free, and any rather than none.
+fn stronger(scale: Scale, value: f32, than: f32) -> bool {
     match scale {
         Scale::Classes(_) => value != 0.0 && (than == 0.0 || value < than),
-        _ => value.abs() > than.abs(),
+        _ => value.abs() > than.abs() || (value.abs() == than.abs() && value > than),
     }
 }
 

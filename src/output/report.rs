@@ -3,9 +3,10 @@
 
 use super::unwritable;
 use crate::Result;
-use crate::grid::{GridSpec, Layer, Map, Scale};
+use crate::grid::{Data, GridSpec, Layer, Map, Scale};
 use crate::reading::Counts;
 use crate::sensor::{Kind, Sensor};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -171,18 +172,26 @@ struct Bits(u64);
 impl Tally {
     /// Of a part with its values.
     pub fn of(part: &Map) -> Tally {
-        let layer = |l: &Layer| {
+        fn fold(values: impl Iterator<Item = f64>) -> [f64; 3] {
             let start = [0.0, f64::INFINITY, f64::NEG_INFINITY];
-            (0..l.data.len()).map(|k| l.data.get(k)).fold(start, |[s, a, b], v| [s + v, a.min(v), b.max(v)])
+            values.fold(start, |[s, a, b], v| [s + v, a.min(v), b.max(v)])
+        }
+        let layer = |l: &Layer| match &l.data {
+            Data::F32(v) => fold(v.iter().map(|v| f64::from(*v))),
+            Data::U32(v) => fold(v.iter().map(|v| f64::from(*v))),
+            Data::U8(v) => fold(v.iter().map(|v| f64::from(*v))),
+            Data::I8(v) => fold(v.iter().map(|v| f64::from(*v))),
         };
-        let count = |name: &str, value: f64| {
-            part.layer(name).map_or(0, |l| (0..l.data.len()).filter(|&k| l.data.get(k) == value).count() as u64)
+        let count = |name: &str, value: i8| match part.layer(name).map(|l| &l.data) {
+            Some(Data::U8(v)) => v.iter().filter(|v| i16::from(**v) == i16::from(value)).count() as u64,
+            Some(Data::I8(v)) => v.iter().filter(|v| **v == value).count() as u64,
+            _ => 0,
         };
         Tally {
-            cells: [count("touched", 1.0), count("class", 1.0), count("class", -1.0), count("class", 0.0)],
+            cells: [count("touched", 1), count("class", 1), count("class", -1), count("class", 0)],
             updates: part.updates,
             increments: part.increments.iter().map(|v| Bits(v.to_bits())).collect(),
-            layers: part.layers.iter().map(|l| layer(l).map(|v| Bits(v.to_bits()))).collect(),
+            layers: part.layers.par_iter().map(|l| layer(l).map(|v| Bits(v.to_bits()))).collect(),
         }
     }
 

@@ -141,8 +141,12 @@ impl MapWriter {
             let pixels: Vec<u8> = (0..class.data.len()).map(|k| ros::pixel(class.data.get(k))).collect();
             self.pgm.write(block, &pixels)?;
         }
+        let mut shown = png::Shown::of(map, combined);
         for (level, raster) in self.levels.iter().enumerate() {
-            let (_, entries) = png::entries(map, combined, 1 << level);
+            if level > 0 {
+                shown = shown.half();
+            }
+            let entries = shown.entries();
             if level == 0 {
                 self.store.overview(0, at, &entries)?;
             }
@@ -152,7 +156,7 @@ impl MapWriter {
         }
         let factor = 1 << self.shown;
         for (raster, layer) in self.canvases.iter().zip(map.layers.iter().filter(|l| l.name != "map")) {
-            raster.write(self::block(&map.grid, at, factor), &png::entries(map, layer, factor).1)?;
+            raster.write(self::block(&map.grid, at, factor), &png::Shown::of(map, layer).reduced(factor).entries())?;
         }
         let tally = Tally::of(map);
         let line = serde_json::to_string(&(at, &tally)).unwrap_or_default() + "\n";
