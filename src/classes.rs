@@ -59,12 +59,7 @@ impl Classes {
     }
 
     fn parse(path: &Path, text: &str) -> Result<Classes> {
-        let line = |at: usize| text.bytes().take(at).filter(|b| *b == b'\n').count() as u64 + 1;
-        let file: File = toml::from_str(text).map_err(|e| Error::Input {
-            path: path.into(),
-            line: e.span().map(|span| line(span.start)),
-            what: e.message().to_string(),
-        })?;
+        let file: File = toml::from_str(text).map_err(|e| Error::toml(path, text, &e))?;
         let free = file.free.unwrap_or(Row { name: "free".into(), colour: None });
         let count = file.class.len();
         let colour = |(k, row): (usize, &Row)| match &row.colour {

@@ -39,6 +39,13 @@ impl Error {
         Error::Input { path: path.into(), line: Some(line), what: what.into() }
     }
 
+    /// An [`Error::Input`] about a text that is no TOML, or not the right one, with its line.
+    pub(crate) fn toml(path: impl Into<PathBuf>, text: &str, error: &toml::de::Error) -> Self {
+        let line = |at: usize| text.bytes().take(at).filter(|b| *b == b'\n').count() as u64 + 1;
+        let line = error.span().map(|span| line(span.start));
+        Error::Input { path: path.into(), line, what: error.message().to_string() }
+    }
+
     /// The same error with something more to say.
     pub fn and(self, more: &str) -> Self {
         match self {

@@ -48,6 +48,15 @@ pub struct Work {
     pub binning_us: u64,
 }
 
+impl Work {
+    /// Counts a batch.
+    pub(crate) fn count(&mut self, batch: &Batch) {
+        self.batches += 1;
+        self.entries += batch.chunks.iter().map(|c| c.entries.len() as u64).sum::<u64>();
+        self.tiles += batch.chunks.iter().map(|c| c.tiles.len() as u64).sum::<u64>();
+    }
+}
+
 impl<'a> Mapper<'a> {
     /// A mapper of readings of these sensors; `batch`: readings at a time (the result does not depend on it).
     pub fn new(
@@ -126,9 +135,7 @@ impl<'a> Mapper<'a> {
             self.counts.outside += misses;
             count(&mut self.counts, &binning, &batch.cones);
         }
-        self.work.batches += 1;
-        self.work.entries += batch.chunks.iter().map(|c| c.entries.len() as u64).sum::<u64>();
-        self.work.tiles += batch.chunks.iter().map(|c| c.tiles.len() as u64).sum::<u64>();
+        self.work.count(&batch);
         let frame = frame(&self.grid, self.method);
         self.backend.apply(self.method, frame, &batch, self.method.sweeps()[sweep], &mut Vec::new())
     }
@@ -142,18 +149,23 @@ impl<'a> Mapper<'a> {
 
     /// The finished map.
     pub fn finish(self) -> Result<Finished> {
-        let mut chunks = self.backend.finish(self.method)?;
-        let finished = layers::from_chunks(&self.grid, self.method, &chunks);
-        // A benchmark's next run finds the memory there, as its first found none.
-        while !self.counting
-            && self.backend.reuses()
-            && let Some((_, mut words)) = chunks.pop_first()
-        {
-            words.fill(0);
-            self.backend.spare(words);
-        }
-        Ok(finished)
+        finish(&self.grid, self.method, self.backend, !self.counting)
     }
+}
+
+/// A backend's cells as a finished map. With `again` it gets their memory back: a benchmark's next run finds it there, as its
+/// first found none.
+pub(crate) fn finish(grid: &GridSpec, method: &dyn Method, backend: &mut dyn Backend, again: bool) -> Result<Finished> {
+    let mut chunks = backend.finish(method)?;
+    let finished = layers::from_chunks(grid, method, &chunks);
+    while again
+        && backend.reuses()
+        && let Some((_, mut words)) = chunks.pop_first()
+    {
+        words.fill(0);
+        backend.spare(words);
+    }
+    Ok(finished)
 }
 
 /// A pass over a grid, its mode still to be set.

@@ -5,7 +5,7 @@ use crate::grid::{GridSpec, Palette};
 use crate::kernels::Backend;
 use crate::layers;
 use crate::log::{self, Log, Problem};
-use crate::mapper::{Finished, Item, Mapper, Work};
+use crate::mapper::{self, Finished, Item, Mapper, Work};
 use crate::memory;
 use crate::method::settings::{Csm, Settings};
 use crate::method::{self, Method};
@@ -194,8 +194,7 @@ impl Session {
             let scans = self.scans_first(count as u64)?;
             let scanned = Scanned::read(&self.grid, csm, scans, (&here.0, here.1), &|_| {})?;
             let work = scanned.apply(self.method.as_ref(), backend, batch, progress)?;
-            let finished =
-                layers::from_chunks(&self.grid, self.method.as_ref(), &backend.finish(self.method.as_ref())?);
+            let finished = mapper::finish(&self.grid, self.method.as_ref(), backend, false)?;
             return Ok(Mapped { finished, counts: self.survey.counts, work });
         }
         let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch);

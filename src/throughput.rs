@@ -5,14 +5,12 @@
 //! A cell update is one (reading, cell) pair with the cell's centre inside the cone, counted by the kernels themselves.
 
 use crate::Result;
-use crate::grid::Map;
 use crate::kernels::Backend;
 use crate::kernels::ceiling::Ceilings;
-use crate::layers;
 use crate::layout::{Beam, Cone, Entry, Scan};
-use crate::mapper::{Mapper, Work};
+use crate::mapper::{self, Mapper, Work};
 use crate::method::settings::{Csm, Settings};
-use crate::method::{Method, Step, tile_words};
+use crate::method::{Method, Step, Unit, tile_words};
 use crate::scan::Scans;
 use crate::whole::Scanned;
 use crate::workload::Workload;
@@ -87,39 +85,36 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
             backend.time_passes();
         }
         let started = Instant::now();
-        if let Settings::Csm(csm) = method.settings() {
-            let work = count_scans(workload, csm, method, backend)?;
-            backend.wait()?;
-            let took = started.elapsed().as_secs_f64();
-            let map = take(workload, method, backend)?;
-            updates = map.updates;
-            moved = work.entries * (size_of::<Entry>() + size_of::<Scan>()) as u64
-                + updates * size_of::<Beam>() as u64
-                + work.tiles * 8 * tile_words(method) as u64;
-            if run == last {
-                passes = backend.pass_times().into_iter().map(|(name, s)| (name.to_string(), s)).collect();
-            } else if run > 0 {
-                seconds.push(took);
-                binning.push(work.binning_us as f64 * 1e-6);
+        let (work, taken, finished) = match method.settings() {
+            Settings::Csm(csm) => {
+                let work = count_scans(workload, csm, method, backend)?;
+                backend.wait()?;
+                let taken = started.elapsed();
+                (work, taken, mapper::finish(&workload.grid, method, backend, true)?)
             }
-            continue;
-        }
-        let mut mapper =
-            Mapper::new(workload.grid, &workload.sensors, method, backend, crate::mapper::BATCH).without_counts();
-        for sweep in 0..method.sweeps().len() {
-            mapper.sweep(sweep, workload.readings.iter().map(|r| Ok((*r, None))))?;
-        }
-        mapper.wait()?;
-        let took = started.elapsed().as_secs_f64();
-        let bin = mapper.work.binning_us as f64 * 1e-6;
-        let (listed, cells) = (size_of::<Entry>() + size_of::<Cone>(), 8 * tile_words(method));
-        moved = per_sweep * (mapper.work.entries * listed as u64 + mapper.work.tiles * cells as u64);
-        updates = mapper.finish()?.map.updates;
+            _ => {
+                let mut mapper =
+                    Mapper::new(workload.grid, &workload.sensors, method, backend, mapper::BATCH).without_counts();
+                for sweep in 0..method.sweeps().len() {
+                    mapper.sweep(sweep, workload.readings.iter().map(|r| Ok((*r, None))))?;
+                }
+                mapper.wait()?;
+                (mapper.work, started.elapsed(), mapper.finish()?)
+            }
+        };
+        updates = finished.map.updates;
+        // An entry names a cone; or a scan, of which each update takes a beam.
+        let (named, taken_up) = match method.unit() {
+            Unit::Reading => (size_of::<Cone>(), 0),
+            Unit::Scan => (size_of::<Scan>(), updates * size_of::<Beam>() as u64),
+        };
+        let (listed, cells) = (size_of::<Entry>() + named, 8 * tile_words(method));
+        moved = per_sweep * (work.entries * listed as u64 + work.tiles * cells as u64) + taken_up;
         if run == last {
             passes = backend.pass_times().into_iter().map(|(name, s)| (name.to_string(), s)).collect();
         } else if run > 0 {
-            seconds.push(took);
-            binning.push(bin);
+            seconds.push(taken.as_secs_f64());
+            binning.push(work.binning_us as f64 * 1e-6);
         }
     }
     let (median, readings) = (median(&seconds), workload.readings.len() as u64);
@@ -150,20 +145,7 @@ fn count_scans(workload: &Workload, csm: Csm, method: &dyn Method, backend: &mut
     let scans = Scans::new(records, &workload.sensors, labels, u64::MAX, std::path::Path::new(&workload.name));
     let here = (std::env::temp_dir(), u64::MAX);
     let scanned = Scanned::read(&workload.grid, csm, scans, (&here.0, here.1), &|_| {})?;
-    scanned.apply(method, backend, crate::mapper::BATCH, &|_| {})
-}
-
-/// The cells as a map; a backend that uses memory again gets it back.
-fn take(workload: &Workload, method: &dyn Method, backend: &mut dyn Backend) -> Result<Map> {
-    let mut chunks = backend.finish(method)?;
-    let map = layers::from_chunks(&workload.grid, method, &chunks).map;
-    while backend.reuses()
-        && let Some((_, mut words)) = chunks.pop_first()
-    {
-        words.fill(0);
-        backend.spare(words);
-    }
-    Ok(map)
+    scanned.apply(method, backend, mapper::BATCH, &|_| {})
 }
 
 /// The middle of the values, or of the two in the middle the mean.

@@ -1,6 +1,7 @@
 // Counting sensor models: a Dirichlet over classes in each cell, from the beams of its nearest poses; twin of src/method/csm.rs.
 //
-// The host declares CONTINUOUS, SEMANTIC, FREE_RULE (0 projection, 1 sample, 2 clamp), NEIGHBOURS (0: all), PLANES and ALPHAS.
+// The host declares CONTINUOUS, SEMANTIC, FREE_RULE (0 projection, 1 sample, 2 clamp), NEIGHBOURS (0: all), HELD (at least 1),
+// PLANES and ALPHAS.
 
 const FINE: u32 = 1024u;
 

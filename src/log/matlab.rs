@@ -74,9 +74,7 @@ impl MatLog {
             .filter(|(name, _)| !wanted.contains_key(*name))
             .map(|(name, what)| format!("{name} ({what})"))
             .collect();
-        let (Some(pose), Some(scans), true) =
-            (wanted.remove("robotPose"), wanted.remove("laserScan"), missing.is_empty())
-        else {
+        let (Some(pose), Some(scans)) = (wanted.remove("robotPose"), wanted.remove("laserScan")) else {
             return Err(format!("has no variable {}; it holds {}", missing.join(" and no "), list(&names)));
         };
         let Array::Struct(fields) = pose else {

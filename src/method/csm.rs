@@ -7,6 +7,7 @@
 mod layers;
 mod model;
 
+pub(crate) use layers::ALPHA;
 pub use model::{CONTINUOUS, DISCRETE, SEMANTIC_CONTINUOUS, SEMANTIC_DISCRETE, reach};
 
 use super::settings::{Csm, FreeRule};

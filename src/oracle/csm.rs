@@ -10,6 +10,7 @@ pub(super) use cell::is_faint;
 use super::bound::U;
 use super::{OracleLayer, OracleMap};
 use crate::grid::GridSpec;
+use crate::method::csm::ALPHA;
 use crate::method::settings::Csm;
 use crate::scan::Scan;
 use beam::{Place, Vector, dot, nearest, place, round};
@@ -61,14 +62,6 @@ pub fn map_scans(grid: &GridSpec, scans: &[Scan], csm: &Csm) -> OracleMap {
     finish(grid, csm, cells)
 }
 
-/// Names of the layers of α.
-const ALPHA: [&str; 33] = [
-    "alpha_1", "alpha_2", "alpha_3", "alpha_4", "alpha_5", "alpha_6", "alpha_7", "alpha_8", "alpha_9", "alpha_10",
-    "alpha_11", "alpha_12", "alpha_13", "alpha_14", "alpha_15", "alpha_16", "alpha_17", "alpha_18", "alpha_19",
-    "alpha_20", "alpha_21", "alpha_22", "alpha_23", "alpha_24", "alpha_25", "alpha_26", "alpha_27", "alpha_28",
-    "alpha_29", "alpha_30", "alpha_31", "alpha_32", "alpha_33",
-];
-
 fn finish(grid: &GridSpec, csm: &Csm, cells: Vec<Cell>) -> OracleMap {
     let classes = csm.labels() + 1;
     let names = ["mean", "variance", "label"].into_iter().chain(ALPHA).take(3 + classes);
@@ -78,7 +71,7 @@ fn finish(grid: &GridSpec, csm: &Csm, cells: Vec<Cell>) -> OracleMap {
     for cell in &cells {
         let mut cell = cell.clone();
         let gained = cell.alpha.iter().sum::<f64>();
-        let seen = cell.interior + cell.arc > 0 || is_faint(&cell.alpha);
+        let seen = cell.is_touched();
         // A kernel may find it touched, or not, otherwise than here.
         let wavers = cell.interior + cell.arc == 0 && (gained - LEAST).abs() <= cell.bound.iter().sum::<f64>();
         if !seen {
@@ -128,7 +121,7 @@ fn finish(grid: &GridSpec, csm: &Csm, cells: Vec<Cell>) -> OracleMap {
         layers,
         class,
         ambiguous,
-        touched: cells.iter().filter(|c| c.interior + c.arc > 0 || is_faint(&c.alpha)).count() as u64,
+        touched: cells.iter().filter(|c| c.is_touched()).count() as u64,
         gains: cells.iter().map(|c| c.alpha.clone()).collect(),
         updates: interior.iter().chain(&arc).map(|n| u64::from(*n)).sum(),
         marks: cells.iter().map(|c| c.marks).collect(),

@@ -169,3 +169,20 @@ fn encode(path: &Path, [width, height]: [usize; 2], palette: &[u8], pixels: &[u8
     writer.write_image_data(pixels)?;
     Ok(writer.finish()?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_half_shows_the_strongest_of_four_and_of_equals_the_occupied() {
+        let nan = f32::NAN;
+        let half = |scale, values: [f32; 6]| Shown { extent: [3, 2], scale, values: values.to_vec() }.half().entries();
+        let signed = Scale::Signed { limit: 1.0 };
+        let of = |v: f32| entry(signed, f64::from(v));
+        assert_eq!(half(signed, [-1.0, 1.0, nan, 0.5, -1.0, nan]), [of(1.0), 0]);
+        assert_eq!(half(signed, [1.0, -1.0, nan, nan, 0.2, -0.3]), [of(1.0), of(-0.3)]);
+        let classes = Scale::Classes(crate::grid::Palette::plain());
+        assert_eq!(half(classes, [0.0, 2.0, 0.0, 1.0, 2.0, nan]), [2, 1]);
+    }
+}

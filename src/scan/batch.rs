@@ -92,7 +92,7 @@ impl<'a> Tiles<'a> {
                 scans.extend(&tile.scans);
                 (beams, pairs, taken) = (beams + more, pairs + tile.scans.len(), taken + 1);
             }
-            if beams > most.one[0].max(most.beams) || pairs > most.one[1].max(most.pairs) {
+            if beams > most.one[0] || pairs > most.one[1] {
                 return Err(Error::Resources(format!(
                     "the {} poses nearest to one tile of cells have {beams} beams, more than the adapter takes at once: \
                      use --backend cpu, a coarser --resolution or fewer neighbours",
@@ -249,14 +249,11 @@ impl<'a> Tiles<'a> {
     /// Whether a beam that may be the nearest of a cell of the box may touch one.
     fn touches(&self, area: &Area, pose: [i32; 2], beams: &[Beam], [low, high]: [u32; 2]) -> bool {
         let distance = area.square(pose.map(i64::from)).sqrt();
-        let margin = match self.csm.continuous {
-            true => self.csm.l * 1e6,
-            false => f64::from(self.csm.half_obstacle(self.resolution)),
-        };
+        let margin = self.csm.margin(self.resolution);
         let n = beams.len() as u32;
         (low..=high).any(|k| {
             let beam = &beams[if k >= n { 0 } else { k as usize }];
-            beam.id & IDLE == 0 && distance <= f64::from(beam.range) + margin + 1.0
+            beam.id & IDLE == 0 && distance <= f64::from(beam.range + margin) + 1.0
         })
     }
 }

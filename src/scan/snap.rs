@@ -40,7 +40,7 @@ pub fn snap(scan: &Scan, csm: &Csm, resolution: f64) -> Snapped {
         _ => [scan.robot.x, scan.robot.y],
     };
     let pose = at.map(micrometres);
-    let margin = if csm.continuous { (csm.l * 1e6).round() as i32 } else { csm.half_obstacle(resolution) };
+    let margin = csm.margin(resolution);
     let mut directed: Vec<Directed> =
         (0..).zip(&scan.rays).map(|(k, ray)| direct(ray, k, pose, together, csm)).collect();
     // Of beams in one direction the first is always the nearest.

@@ -52,11 +52,7 @@ impl SensorFile {
     /// As [`SensorFile::open`].
     pub fn parse(path: &Path, text: &str) -> Result<SensorFile> {
         let line = |at: usize| text.bytes().take(at).filter(|b| *b == b'\n').count() as u64 + 1;
-        let tables: Tables = toml::from_str(text).map_err(|e| Error::Input {
-            path: path.into(),
-            line: e.span().map(|span| line(span.start)),
-            what: e.message().to_string(),
-        })?;
+        let tables: Tables = toml::from_str(text).map_err(|e| Error::toml(path, text, &e))?;
         let describe = |table: &Table| {
             let mut description = Description::default();
             for (key, value) in table {

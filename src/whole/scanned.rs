@@ -135,9 +135,7 @@ impl Scanned {
         for (place, count) in self.places() {
             let mut failed = None;
             self.batches(place, batch, limits, &mut |batch, share, _| {
-                work.batches += 1;
-                work.entries += batch.chunks.iter().map(|c| c.entries.len() as u64).sum::<u64>();
-                work.tiles += batch.chunks.iter().map(|c| c.tiles.len() as u64).sum::<u64>();
+                work.count(&batch);
                 let applied = Instant::now();
                 failed = backend.apply(method, frame, &batch, steps, &mut Vec::new()).err();
                 computing += applied.elapsed();

@@ -8,7 +8,7 @@ use crate::method::settings::Csm;
 const TIE: f64 = 1e-6;
 
 /// Names of the layers of α.
-const ALPHA: [&str; MOST] = [
+pub(crate) const ALPHA: [&str; MOST] = [
     "alpha_1", "alpha_2", "alpha_3", "alpha_4", "alpha_5", "alpha_6", "alpha_7", "alpha_8", "alpha_9", "alpha_10",
     "alpha_11", "alpha_12", "alpha_13", "alpha_14", "alpha_15", "alpha_16", "alpha_17", "alpha_18", "alpha_19",
     "alpha_20", "alpha_21", "alpha_22", "alpha_23", "alpha_24", "alpha_25", "alpha_26", "alpha_27", "alpha_28",

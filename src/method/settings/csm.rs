@@ -80,6 +80,11 @@ impl Csm {
         (self.w_obstacle.unwrap_or(2.0 * resolution) * 5e5).round() as i32
     }
 
+    /// How far beyond a hit, or beside a beam, a cell of that size may be touched, µm.
+    pub fn margin(&self, resolution: f64) -> i32 {
+        if self.continuous { (self.l * 1e6).round() as i32 } else { self.half_obstacle(resolution) }
+    }
+
     /// The keys of `--set`.
     pub(super) fn keys(&self) -> &'static [Key] {
         if self.continuous { CONTINUOUS } else { DISCRETE }

@@ -44,6 +44,11 @@ impl Cell {
         self.bound[class] += bound + U * (self.alpha[class] + self.bound[class]);
     }
 
+    /// Whether it gained more than nothing to speak of.
+    pub fn is_touched(&self) -> bool {
+        self.interior + self.arc > 0 || is_faint(&self.alpha)
+    }
+
     /// What a beam says.
     pub fn see(&mut self, csm: &Csm, resolution: f64, scan: usize, (index, beam): (usize, &Beam), v: Vector) {
         let Some((hit, range)) = beam.hit else { return };
