@@ -9,6 +9,7 @@ pub mod reading;
 pub mod wedge;
 pub mod classes;
 pub mod scan;
+pub mod feature;
 pub mod snap;
 pub mod batch;
 pub mod layout;
