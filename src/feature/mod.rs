@@ -1,6 +1,19 @@
 //! The feature-based occupancy grid's stage on the CPU (IJCAI 2007): it finds walls and corners in a log of sonar readings,
 //! associates each reading with them, and says what each updates, where, and when.
 
+pub mod associate;
+pub mod corner;
+pub mod decide;
+pub mod draw;
+pub mod features;
+pub mod limit;
+pub mod phantom;
+pub mod ping;
+pub mod rcd;
+pub mod rules;
+pub mod stage;
 mod update;
+pub mod vote;
+pub mod wall;
 
 pub use update::{Fan, Part, Routine, Update};

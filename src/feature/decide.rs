@@ -1,0 +1,70 @@
+//! What becomes of a held reading: one of four cases.
+
+use super::associate::{Association, associate};
+use super::features::Features;
+use super::limit::{By, Limit, View};
+use super::ping::Ping;
+use super::rules::Rules;
+use crate::world::plane::{Point, add, times};
+
+/// Bearings at which the free limit is known.
+pub const BEARINGS: usize = 21;
+/// An echo hidden by what is nearer by this, metres.
+const HIDDEN: f64 = 0.15;
+
+/// The case of a reading.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Case {
+    /// (i) From a feature, and nothing hides it.
+    Associated,
+    /// (ii) From behind a wall: an outlier.
+    Outlier,
+    /// (iii) From behind a safe line, or beyond a single end.
+    Behind,
+    /// (iv) None of these.
+    Routine,
+}
+
+/// A reading with its features and limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
+    /// The case.
+    pub case: Case,
+    /// Its features.
+    pub association: Association,
+    /// Directions of the bearings, from right to left, unit vectors.
+    pub rays: [Point; BEARINGS],
+    /// The free limit there, metres.
+    pub limits: [f64; BEARINGS],
+}
+
+/// The direction turned left by an angle.
+fn turned(axis: Point, by: f64) -> Point {
+    let (sin, cos) = by.sin_cos();
+    add(times(axis, cos), times((-axis.1, axis.0), sin))
+}
+
+/// Decides a reading.
+pub fn decide(ping: &Ping, features: &Features, view: &View, rules: &Rules) -> Decision {
+    let z = ping.range.unwrap_or(ping.r_max);
+    let seen = view.ends(ping.at, ping.axis, |_| true);
+    let bearing = |k: usize| ping.half_width * (k as f64 / (BEARINGS / 2) as f64 - 1.0);
+    let rays: [Point; BEARINGS] = std::array::from_fn(|k| turned(ping.axis, bearing(k)));
+    let all: [Limit; BEARINGS] = std::array::from_fn(|k| view.limit(ping.at, rays[k], bearing(k), &seen));
+    let axis = all[BEARINGS / 2];
+    let hidden = |by: By| axis.by == by && axis.distance < z - HIDDEN;
+    let association = match ping.range {
+        Some(z) => associate(ping, z, features, rules),
+        None => Association::default(),
+    };
+    let case = if hidden(By::Wall) {
+        Case::Outlier
+    } else if association.best() >= rules.associated {
+        Case::Associated
+    } else if hidden(By::Line) {
+        Case::Behind
+    } else {
+        Case::Routine
+    };
+    Decision { case, association, rays, limits: all.map(|l| l.distance) }
+}

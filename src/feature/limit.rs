@@ -1,0 +1,149 @@
+//! The free limit: how far from a sensor, at each bearing, the cells may be freed. Walls end it, and between two features' ends the
+//! *safe line* that joins them: what lies behind it no echo has told of.
+
+use super::features::{Features, hit};
+use crate::world::plane::{Point, cross, distance, dot, sub, times};
+
+/// An end hidden by something that is nearer by this, metres, isn't seen.
+const HIDDEN: f64 = 0.10;
+/// Ends farther off the axis don't count, radians.
+const ASIDE: f64 = 1.047_197_551;
+/// A safe line before a wall is no longer, metres.
+const SHORT: f64 = 1.2;
+
+/// A wall's end, a corner or a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct End {
+    /// Where, metres.
+    pub at: Point,
+    /// The wall that ends there.
+    pub wall: Option<usize>,
+    /// The point that it is.
+    pub spot: Option<usize>,
+}
+
+/// An end as it is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Off the axis, to the left, radians.
+    pub bearing: f64,
+    /// Metres.
+    pub distance: f64,
+    /// The end.
+    pub end: End,
+}
+
+/// What ends what may be freed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum By {
+    /// A wall, or the leg to a corner.
+    Wall,
+    /// The line between two ends, or a single end.
+    Line,
+    /// Nothing.
+    Nothing,
+}
+
+/// A free limit at a bearing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit {
+    /// Metres; infinite where nothing ends it.
+    pub distance: f64,
+    /// What it is.
+    pub by: By,
+    /// Length of the safe line between two ends, metres.
+    pub length: f64,
+}
+
+/// What stands near a place.
+#[derive(Debug, Clone, Default)]
+pub struct View<'a> {
+    walls: &'a [super::features::Wall],
+    blockers: Vec<([Point; 2], usize)>,
+    ends: Vec<End>,
+}
+
+impl<'a> View<'a> {
+    /// What stands within so many metres of a place.
+    pub fn of(features: &'a Features, place: Point, reach: f64) -> View<'a> {
+        let near = |[a, b]: [Point; 2]| crate::world::plane::from_segment(place, a, b) <= reach;
+        let blockers = features.blockers().filter(|(s, _)| near(*s)).collect();
+        let of_walls = features.walls.iter().enumerate().flat_map(|(k, w)| {
+            w.ends().map(|at| End { at, wall: Some(k), spot: None })
+        });
+        let of_spots = features.spots.iter().enumerate().map(|(k, s)| End { at: s.at, wall: None, spot: Some(k) });
+        let of_corners = features.corners.iter().map(|c| End { at: c.at, wall: None, spot: None });
+        let ends = of_walls.chain(of_spots).chain(of_corners).filter(|e| distance(e.at, place) <= reach).collect();
+        View { walls: &features.walls, blockers, ends }
+    }
+
+    /// How far the first wall or leg is along a ray, and whose it is.
+    pub fn first(&self, from: Point, ray: Point) -> Option<(f64, usize)> {
+        let mut first: Option<(f64, usize)> = None;
+        for (segment, wall) in &self.blockers {
+            if let Some(d) = hit(from, ray, *segment)
+                && first.is_none_or(|(f, _)| d < f)
+            {
+                first = Some((d, *wall));
+            }
+        }
+        first
+    }
+
+    /// The ends seen within 60° of an axis, from right to left.
+    pub fn ends(&self, from: Point, axis: Point, counts: impl Fn(&End) -> bool) -> Vec<Seen> {
+        let mut seen = Vec::new();
+        for end in self.ends.iter().filter(|e| counts(e)) {
+            let v = sub(end.at, from);
+            let far = dot(v, v).sqrt();
+            let bearing = cross(axis, v).atan2(dot(axis, v));
+            if bearing.abs() > ASIDE || far < 1e-6 {
+                continue;
+            }
+            let ray = times(v, 1.0 / far);
+            let hidden = self.blockers.iter().any(|(s, _)| hit(from, ray, *s).is_some_and(|d| d < far - HIDDEN));
+            if !hidden {
+                seen.push(Seen { bearing, distance: far, end: *end });
+            }
+        }
+        seen.sort_by(|a, b| a.bearing.total_cmp(&b.bearing));
+        seen
+    }
+
+    /// The limit along a ray that is `bearing` off the axis for which the ends were seen.
+    pub fn limit(&self, from: Point, ray: Point, bearing: f64, seen: &[Seen]) -> Limit {
+        let wall = self.first(from, ray).map(|(d, _)| d);
+        let split = seen.partition_point(|s| s.bearing < bearing);
+        let (right, left) = (split.checked_sub(1).map(|k| seen[k]), seen.get(split).copied());
+        let at_wall = |d: f64| Limit { distance: d, by: By::Wall, length: 0.0 };
+        if let (Some(a), Some(b)) = (right, left) {
+            let length = distance(a.end.at, b.end.at);
+            let safe = hit(from, ray, [a.end.at, b.end.at]);
+            let line = safe.map(|d| Limit { distance: d, by: By::Line, length });
+            return match (wall, line) {
+                (Some(w), Some(l)) => {
+                    let before = l.distance < w && a.distance < w && b.distance < w && length <= SHORT;
+                    if before { l } else { at_wall(w) }
+                }
+                (Some(w), None) => at_wall(w),
+                (None, Some(l)) => l,
+                (None, None) => NOTHING,
+            };
+        }
+        if let Some(w) = wall {
+            return at_wall(w);
+        }
+        let Some(only) = right.or(left) else { return NOTHING };
+        let prolonged = only.end.wall.and_then(|w| {
+            let wall = &self.walls[w];
+            let slant = dot(wall.normal, ray);
+            let d = wall.front(from) / slant;
+            (slant != 0.0 && d > 0.0).then_some(d)
+        });
+        let distance = prolonged.map_or(only.distance, |d| d.min(only.distance));
+        Limit { distance, by: By::Line, length: f64::INFINITY }
+    }
+}
+
+/// No limit.
+const NOTHING: Limit = Limit { distance: f64::INFINITY, by: By::Nothing, length: f64::INFINITY };

@@ -1,0 +1,170 @@
+//! Regions of constant depth (Leonard & Durrant-Whyte 1992): successive bearings of a dense circular scan that hear the same range,
+//! because one surface sends it back.
+
+use super::ping::Ping;
+use crate::world::plane::{Point, add, dot, sub, times};
+use std::f64::consts::{PI, TAU};
+
+/// Bearings farther apart than this are no dense scan, radians.
+const DENSE: f64 = 2.5 * PI / 180.0;
+/// Fewest readings of a region.
+const FEWEST: usize = 4;
+/// Two runs of one surface lie no more bearings apart.
+const GAP: usize = 3;
+
+/// What sent a region's echoes back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// A plane: the region's centre is the foot of its normal.
+    Wall,
+    /// A corner or an edge.
+    Point,
+}
+
+/// A region of constant depth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rcd {
+    /// Where the scan was taken, metres.
+    pub centre: Point,
+    /// The surface's nearest point, metres.
+    pub foot: Point,
+    /// Unit vector from `centre` to `foot`.
+    pub normal: Point,
+    /// From `centre` to `foot`, metres.
+    pub range: f64,
+    /// Half of the length that is known, metres.
+    pub half: f64,
+    /// The scan.
+    pub scan: u64,
+    /// What it is.
+    pub source: Source,
+    /// Numbers of its pings, first and last.
+    pub pings: (u64, u64),
+    /// How many echoes it has.
+    pub count: u32,
+}
+
+/// By how much echoes of one surface may differ at a range, metres: 3 cm, or five deviations of a sonar's noise.
+pub fn tolerance(range: f64) -> f64 {
+    (5.0 * (0.004 + 0.002 * range)).max(0.03)
+}
+
+/// Amplitude of an echo from so many metres, but for a constant (spreading and absorption of sound).
+fn amplitude(d: f64) -> f64 {
+    (-0.36 * d).exp() / d
+}
+
+/// How far off the axis a plane at that range is still heard, radians.
+fn visible(beta: f64, range: f64, r_max: f64) -> f64 {
+    let (least, most) = (amplitude(r_max), amplitude(0.15));
+    beta * ((amplitude(range.clamp(0.15, r_max)) / least).ln() / (most / least).ln()).max(0.0).sqrt()
+}
+
+/// A run of echoes: which pings, and their median range.
+struct Run {
+    members: Vec<usize>,
+    /// Ascending.
+    ranges: Vec<f64>,
+}
+
+impl Run {
+    fn median(&self) -> f64 {
+        self.ranges[self.ranges.len() / 2]
+    }
+
+    fn push(&mut self, k: usize, range: f64) {
+        let at = self.ranges.partition_point(|r| *r < range);
+        self.ranges.insert(at, range);
+        self.members.push(k);
+    }
+}
+
+/// The regions of one scan, if its bearings are dense; `pings` are the scan's, of one sensor, in any order.
+pub fn regions(pings: &[Ping]) -> Vec<Rcd> {
+    let mut order: Vec<&Ping> = pings.iter().collect();
+    let bearing = |p: &Ping| p.record.pose.heading.rem_euclid(TAU);
+    order.sort_by(|a, b| bearing(a).total_cmp(&bearing(b)));
+    let n = order.len();
+    let step = |k: usize| (bearing(order[(k + 1) % n]) - bearing(order[k])).rem_euclid(TAU);
+    // Whether a run may go on from ping k to the next.
+    let joined = |k: usize| n > 1 && step(k) <= DENSE && step(k) > 0.0;
+    let goes_on = |k: usize| match (joined(k), order[k].range, order[(k + 1) % n].range) {
+        (true, Some(a), Some(b)) => (a - b).abs() <= tolerance(a),
+        _ => false,
+    };
+    // A circle is cut where no run crosses.
+    let Some(first) = (0..n).find(|k| !goes_on(*k)) else { return Vec::new() };
+    let mut runs: Vec<Run> = Vec::new();
+    let mut open = false;
+    for k in (1..=n).map(|k| (first + k) % n) {
+        let Some(range) = order[k].range else {
+            open = false;
+            continue;
+        };
+        open &= joined((k + n - 1) % n);
+        match runs.last_mut().filter(|r| open && (r.median() - range).abs() <= tolerance(range)) {
+            Some(run) => run.push(k, range),
+            None => runs.push(Run { members: vec![k], ranges: vec![range] }),
+        }
+        open = true;
+    }
+    let turned = |k: usize| (k + n - first - 1) % n;
+    join(&mut runs, &turned);
+    let steps: Vec<f64> = (0..n).filter(|k| joined(*k)).map(step).collect();
+    let Some(alpha) = median(steps) else { return Vec::new() };
+    runs.iter().filter_map(|run| region(&order, run, alpha)).collect()
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+/// Joins runs of one surface that a stray echo or a missing one parts.
+fn join(runs: &mut Vec<Run>, place: &dyn Fn(usize) -> usize) {
+    let mut k = 0;
+    while k < runs.len() {
+        let last = runs[k].members.last().map_or(0, |m| place(*m));
+        let next = (k + 1..runs.len()).take_while(|j| place(runs[*j].members[0]) - last <= GAP + 1).find(|j| {
+            (runs[*j].median() - runs[k].median()).abs() <= 0.75 * tolerance(runs[k].median())
+        });
+        match next {
+            Some(j) => {
+                let other = runs.remove(j);
+                for (member, range) in other.members.iter().zip(&other.ranges) {
+                    runs[k].push(*member, *range);
+                }
+            }
+            None => k += 1,
+        }
+    }
+}
+
+fn region(order: &[&Ping], run: &Run, alpha: f64) -> Option<Rcd> {
+    let pings: Vec<&Ping> = run.members.iter().map(|k| order[*k]).collect();
+    let (first, range) = (pings[0], run.median());
+    let wide = visible(first.half_width, range, first.r_max);
+    let fewest = FEWEST.max((0.6 * wide / alpha).ceil() as usize);
+    if pings.len() < fewest {
+        return None;
+    }
+    let sum = pings.iter().fold((0.0, 0.0), |s, p| add(s, p.axis));
+    let normal = times(sum, 1.0 / dot(sum, sum).sqrt());
+    let centre = first.centre();
+    let n = pings.len() as f64;
+    let distance = |p: &&Ping| p.range.unwrap_or_default() + dot(normal, sub(p.at, centre));
+    let range = pings.iter().map(distance).sum::<f64>() / n;
+    let span = pings.iter().map(|p| crate::world::plane::cross(normal, p.axis).asin().abs()).fold(0.0, f64::max);
+    let numbers = pings.iter().map(|p| p.number);
+    Some(Rcd {
+        centre,
+        foot: add(centre, times(normal, range)),
+        normal,
+        range,
+        half: range * span.sin(),
+        scan: first.record.scan,
+        source: Source::Wall,
+        pings: (numbers.clone().min()?, numbers.max()?),
+        count: pings.len() as u32,
+    })
+}

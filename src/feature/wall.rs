@@ -1,0 +1,157 @@
+//! Walls from regions of constant depth: those of one line that overlap or nearly so, transitively.
+
+use super::features::{Features, Spot, Wall};
+use super::rcd::{Rcd, Source};
+use super::vote::{angle, same_place};
+use crate::world::plane::{Point, add, cross, distance, dot, meet, sub, times};
+
+/// Normals of one wall differ by less, radians.
+const PARALLEL: f64 = 0.174_532_925;
+/// A gap between two regions of one wall, metres.
+const GAP: f64 = 0.20;
+/// Feet that spread less give no line, metres.
+const SPREAD: f64 = 0.3;
+/// A line through the feet may turn the normal by less, radians.
+const TURN: f64 = 0.261_799_388;
+/// Points nearer than this are one, metres.
+const SAME: f64 = 0.15;
+
+/// Sets of numbers, joined one by one.
+struct Sets(Vec<usize>);
+
+impl Sets {
+    fn root(&mut self, mut k: usize) -> usize {
+        while self.0[k] != k {
+            self.0[k] = self.0[self.0[k]];
+            k = self.0[k];
+        }
+        k
+    }
+
+    /// The smaller number leads.
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b)] = a.min(b);
+    }
+
+    fn groups(mut self, of: &[usize]) -> Vec<Vec<usize>> {
+        let mut groups: std::collections::BTreeMap<usize, Vec<usize>> = std::collections::BTreeMap::new();
+        for (place, k) in of.iter().enumerate() {
+            let root = self.root(place);
+            groups.entry(root).or_default().push(*k);
+        }
+        groups.into_values().collect()
+    }
+}
+
+fn grouped(of: &[usize], same: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+    let mut sets = Sets((0..of.len()).collect());
+    for (i, a) in of.iter().enumerate() {
+        for (j, b) in of.iter().enumerate().skip(i + 1) {
+            if same(*a, *b) {
+                sets.join(i, j);
+            }
+        }
+    }
+    sets.groups(of)
+}
+
+/// Whether two regions are of one wall.
+fn one_wall(a: &Rcd, b: &Rcd) -> bool {
+    let (near, far) = if a.range <= b.range { (a, b) } else { (b, a) };
+    let off = dot(near.normal, sub(far.foot, near.foot)).abs();
+    let along = (-near.normal.1, near.normal.0);
+    let gap = dot(along, sub(far.foot, near.foot)).abs() - a.half - b.half;
+    off <= 0.08 + 0.02 * far.range && gap <= GAP && angle(a.normal, b.normal) <= PARALLEL
+}
+
+/// The walls of the regions that are walls.
+pub fn walls(rcds: &[Rcd]) -> Vec<Wall> {
+    let own: Vec<usize> = (0..rcds.len()).filter(|k| rcds[*k].source == Source::Wall).collect();
+    grouped(&own, |a, b| one_wall(&rcds[a], &rcds[b])).into_iter().map(|group| wall(rcds, group)).collect()
+}
+
+fn wall(rcds: &[Rcd], group: Vec<usize>) -> Wall {
+    let of = |k: &usize| &rcds[*k];
+    let closest = group.iter().map(of).min_by(|a, b| a.range.total_cmp(&b.range)).unwrap_or(&rcds[group[0]]);
+    let (normal, through) = line(rcds, &group).filter(|(n, _)| angle(*n, closest.normal) < TURN).unwrap_or((closest.normal, closest.foot));
+    let mut wall = Wall { normal, offset: dot(normal, through), extent: [f64::INFINITY, f64::NEG_INFINITY], rcds: Vec::new() };
+    for rcd in group.iter().map(of) {
+        let s = wall.place(rcd.foot);
+        wall.extent = [wall.extent[0].min(s - rcd.half), wall.extent[1].max(s + rcd.half)];
+    }
+    wall.rcds = group;
+    wall
+}
+
+/// Total least squares on the feet, where they spread enough: the normal and a point of the line.
+fn line(rcds: &[Rcd], group: &[usize]) -> Option<(Point, Point)> {
+    let weighted = || group.iter().map(|k| (rcds[*k].foot, (0.02 + 0.005 * rcds[*k].range).powi(-2)));
+    let total: f64 = weighted().map(|(_, w)| w).sum();
+    let mean = times(weighted().fold((0.0, 0.0), |m, (p, w)| add(m, times(p, w))), 1.0 / total);
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for (p, w) in weighted() {
+        let (x, y) = sub(p, mean);
+        (xx, xy, yy) = (xx + w * x * x, xy + w * x * y, yy + w * y * y);
+    }
+    let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
+    let along = (turn.cos(), turn.sin());
+    let places = || group.iter().map(|k| dot(along, rcds[*k].foot));
+    let spread = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
+    let away = group.iter().fold((0.0, 0.0), |s, k| add(s, rcds[*k].normal));
+    let normal = (-along.1, along.0);
+    let normal = if dot(normal, away) < 0.0 { times(normal, -1.0) } else { normal };
+    (spread >= SPREAD).then_some((normal, mean))
+}
+
+/// Regions that lie where two other walls meet are points, whatever the votes: this is what serves one or two scans.
+pub fn points_at_corners(rcds: &mut [Rcd], walls: &[Wall]) -> Vec<usize> {
+    let mut found = Vec::new();
+    for (i, a) in walls.iter().enumerate() {
+        for b in &walls[i + 1..] {
+            let Some(at) = concave(a, b) else { continue };
+            for (k, rcd) in rcds.iter().enumerate() {
+                let own = a.rcds.contains(&k) || b.rcds.contains(&k);
+                let between = cross(a.normal, rcd.normal) * cross(rcd.normal, b.normal) > 0.0
+                    && dot(add(a.normal, b.normal), rcd.normal) > 0.0;
+                if !own && between && distance(rcd.foot, at) <= same_place(rcd.range) {
+                    found.push(k);
+                }
+            }
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    found.iter().for_each(|k| rcds[*k].source = Source::Point);
+    found
+}
+
+/// Where two walls' lines meet, if each stands in front of the other at 25° to 155°.
+pub fn concave(a: &Wall, b: &Wall) -> Option<Point> {
+    const LEAST: f64 = 0.422_618_26; // sin 25°
+    if cross(a.normal, b.normal).abs() < LEAST || a.front(b.middle()) <= 0.0 || b.front(a.middle()) <= 0.0 {
+        return None;
+    }
+    let (t, _) = meet(a.at(0.0), a.at(1.0), b.at(0.0), b.at(1.0))?;
+    Some(a.at(t))
+}
+
+/// Points that two scans saw, or that lie where walls meet (`at_corners`).
+pub fn spots(rcds: &[Rcd], at_corners: &[usize]) -> Vec<Spot> {
+    let own: Vec<usize> = (0..rcds.len()).filter(|k| rcds[*k].source == Source::Point).collect();
+    let groups = grouped(&own, |a, b| distance(rcds[a].foot, rcds[b].foot) <= SAME);
+    let several = |group: &Vec<usize>| {
+        group.iter().any(|k| rcds[*k].scan != rcds[group[0]].scan || at_corners.binary_search(k).is_ok())
+    };
+    let spot = |group: Vec<usize>| {
+        let sum = group.iter().fold((0.0, 0.0), |s, k| add(s, rcds[*k].foot));
+        Spot { at: times(sum, 1.0 / group.len() as f64), rcds: group }
+    };
+    groups.into_iter().filter(several).map(spot).collect()
+}
+
+/// The features of so many regions, before phantoms are told from them: walls and points.
+pub fn gather(rcds: &mut [Rcd]) -> Features {
+    let at_corners = points_at_corners(rcds, &walls(rcds));
+    Features { walls: walls(rcds), spots: spots(rcds, &at_corners), corners: Vec::new() }
+}
