@@ -1,14 +1,17 @@
 //! Concave corners: where two walls' lines meet, near the ends of both and near a point that answers from there.
 
 use super::features::{Corner, Features, Wall, hit};
-use super::rcd::{Rcd, Source};
+use super::rcd::{Rcd, Source, tolerance};
 use super::wall::concave;
-use crate::world::plane::{Point, distance, length, sub, times};
+use crate::world::plane::{Point, cross, distance, dot, length, sub, times};
 
 /// A corner lies no farther inside either wall, metres.
 const INSIDE: f64 = 0.35;
 /// Corners nearer than this are one, metres.
 const SAME: f64 = 0.20;
+
+/// A corner that a point answers from may lie so far from what is known of its walls, metres.
+const REACH: f64 = 4.5;
 
 /// 1 up to a distance, then a bell's side.
 fn near(d: f64, full: f64, s: f64) -> f64 {
@@ -16,16 +19,16 @@ fn near(d: f64, full: f64, s: f64) -> f64 {
 }
 
 /// The likely corners of the walls, with their legs; `rcds`: the points are among them.
-pub fn corners(features: &Features, rcds: &[Rcd]) -> Vec<Corner> {
+pub fn corners(features: &Features, rcds: &[Rcd], path: &[Point]) -> Vec<Corner> {
     let walls = &features.walls;
     let mut found: Vec<Corner> = Vec::new();
     for (i, a) in walls.iter().enumerate() {
         for (k, b) in walls.iter().enumerate().skip(i + 1) {
             if let Some(at) = concave(a, b) {
-                let probability = probability(at, [a, b], rcds);
+                let (probability, answers) = probability(at, [a, b], rcds);
                 let legs = [a, b].map(|w| leg(at, w));
                 let corner = Corner { at, walls: [i, k], probability, legs };
-                if probability >= 0.5 && open(&corner, walls) {
+                if probability >= 0.5 && open(&corner, answers, features, rcds, path) {
                     found.push(corner);
                 }
             }
@@ -41,14 +44,22 @@ pub fn corners(features: &Features, rcds: &[Rcd]) -> Vec<Corner> {
     kept
 }
 
-fn probability(at: Point, walls: [&Wall; 2], rcds: &[Rcd]) -> f64 {
+fn probability(at: Point, walls: [&Wall; 2], rcds: &[Rcd]) -> (f64, usize) {
     let beyond = walls.map(|w| w.beyond(w.place(at)));
     if beyond.iter().any(|b| *b < -INSIDE) {
-        return 0.0;
+        return (0.0, 0);
     }
-    let points = rcds.iter().filter(|r| r.source == Source::Point).map(|r| distance(r.foot, at));
-    let nearest = points.fold(f64::INFINITY, f64::min);
-    near(beyond[0].max(0.0), 1.0, 0.6) * near(beyond[1].max(0.0), 1.0, 0.6) * near(nearest, 0.10, 0.10)
+    let points: Vec<f64> = rcds.iter().filter(|r| r.source == Source::Point).map(|r| answers(r, at)).collect();
+    let point = points.iter().copied().fold(0.0, f64::max);
+    let walls = near(beyond[0].max(0.0), REACH, 0.6) * near(beyond[1].max(0.0), REACH, 0.6);
+    (walls * point, points.iter().filter(|p| **p >= 0.5).count())
+}
+
+/// How well a point answers from a place: a range is known to centimetres, a bearing to degrees.
+fn answers(rcd: &Rcd, at: Point) -> f64 {
+    let v = sub(at, rcd.centre);
+    let off = cross(rcd.normal, v).atan2(dot(rcd.normal, v)).abs();
+    near((length(v) - rcd.range).abs(), tolerance(rcd.range), 0.03) * near(off, 0.04, 0.02)
 }
 
 /// From a corner to the end of a wall that doesn't reach it.
@@ -57,19 +68,27 @@ fn leg(at: Point, wall: &Wall) -> Option<[Point; 2]> {
     (wall.beyond(s) > 0.0).then(|| [at, wall.at(s.clamp(wall.extent[0], wall.extent[1]))])
 }
 
-/// Whether no other wall crosses its legs.
-fn open(corner: &Corner, walls: &[Wall]) -> bool {
+/// Whether nothing crosses its legs: no other wall, no sighting of a feature, and not the robot.
+fn open(corner: &Corner, answers: usize, features: &Features, rcds: &[Rcd], path: &[Point]) -> bool {
+    let walls = &features.walls;
     let others = || walls.iter().enumerate().filter(|(k, _)| !corner.walls.contains(k));
-    corner.legs.iter().flatten().all(|[from, to]| {
-        let v = sub(*to, *from);
+    let seen = || walls.iter().flat_map(|w| &w.rcds).chain(features.spots.iter().flat_map(|s| &s.rcds)).map(|k| &rcds[*k]);
+    let legs = || corner.legs.iter().flatten();
+    let crossed = |from: Point, to: Point, before: f64| {
+        let v = sub(to, from);
         let far = length(v);
-        others().all(|(_, w)| hit(*from, times(v, 1.0 / far.max(1e-9)), w.ends()).is_none_or(|d| d > far))
-    })
+        let ray = times(v, 1.0 / far.max(1e-9));
+        legs().any(|leg| hit(from, ray, *leg).is_some_and(|d| d < far - before))
+    };
+    others().all(|(_, w)| !crossed(w.ends()[0], w.ends()[1], 0.0))
+        && path.windows(2).all(|step| !crossed(step[0], step[1], 0.0))
+        && seen().filter(|r| crossed(r.centre, r.foot, 0.15)).count() <= answers
 }
 
-/// Cuts each wall that overshoots a corner there.
+/// Cuts each wall that overshoots a corner there; a point at a corner is the corner.
 pub fn cut(features: &mut Features) {
-    let Features { walls, corners, .. } = features;
+    let Features { walls, corners, spots } = features;
+    spots.retain(|s| corners.iter().all(|c| distance(c.at, s.at) > SAME));
     for corner in corners.iter() {
         for k in corner.walls {
             let wall = &mut walls[k];

@@ -7,7 +7,7 @@ use crate::world::plane::{Point, cross, distance, dot, sub, times};
 /// An end hidden by something that is nearer by this, metres, isn't seen.
 const HIDDEN: f64 = 0.10;
 /// Ends farther off the axis don't count, radians.
-const ASIDE: f64 = 1.047_197_551;
+fn aside() -> f64 { static A: std::sync::OnceLock<f64> = std::sync::OnceLock::new(); *A.get_or_init(|| std::env::var("ASIDE").ok().and_then(|s| s.parse::<f64>().ok()).unwrap_or(90.0).to_radians()) }
 /// A safe line before a wall is no longer, metres.
 const SHORT: f64 = 1.2;
 
@@ -97,7 +97,7 @@ impl<'a> View<'a> {
             let v = sub(end.at, from);
             let far = dot(v, v).sqrt();
             let bearing = cross(axis, v).atan2(dot(axis, v));
-            if bearing.abs() > ASIDE || far < 1e-6 {
+            if bearing.abs() > aside() || far < 1e-6 {
                 continue;
             }
             let ray = times(v, 1.0 / far);

@@ -2,7 +2,7 @@
 //! because one surface sends it back.
 
 use super::ping::Ping;
-use crate::world::plane::{Point, add, dot, sub, times};
+use crate::world::plane::{Point, add, cross, dot, sub, times};
 use std::f64::consts::{PI, TAU};
 
 /// Bearings farther apart than this are no dense scan, radians.
@@ -11,6 +11,9 @@ const DENSE: f64 = 2.5 * PI / 180.0;
 const FEWEST: usize = 4;
 /// Two runs of one surface lie no more bearings apart.
 const GAP: usize = 3;
+
+/// By how much an echo may be louder than the faintest that is heard at the farthest range.
+const LOUD: f64 = 1.5;
 
 /// What sent a region's echoes back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,10 +57,11 @@ fn amplitude(d: f64) -> f64 {
     (-0.36 * d).exp() / d
 }
 
-/// How far off the axis a plane at that range is still heard, radians.
-fn visible(beta: f64, range: f64, r_max: f64) -> f64 {
+/// How far off the axis a plane at that range is still heard, radians, by a sensor that hears `gain` times as well as it needs to
+/// at its farthest range.
+fn visible(beta: f64, range: f64, r_max: f64, gain: f64) -> f64 {
     let (least, most) = (amplitude(r_max), amplitude(0.15));
-    beta * ((amplitude(range.clamp(0.15, r_max)) / least).ln() / (most / least).ln()).max(0.0).sqrt()
+    beta * ((gain * amplitude(range.clamp(0.15, r_max)) / least).ln() / (most / least).ln()).clamp(0.0, 1.0).sqrt()
 }
 
 /// A run of echoes: which pings, and their median range.
@@ -112,7 +116,32 @@ pub fn regions(pings: &[Ping]) -> Vec<Rcd> {
     join(&mut runs, &turned);
     let steps: Vec<f64> = (0..n).filter(|k| joined(*k)).map(step).collect();
     let Some(alpha) = median(steps) else { return Vec::new() };
-    runs.iter().filter_map(|run| region(&order, run, alpha)).collect()
+    runs.iter().flat_map(|run| parts(&order, run, alpha)).collect()
+}
+
+/// The regions of a run: one, or two where it is wider than one surface is heard.
+fn parts(order: &[&Ping], run: &Run, alpha: f64) -> Vec<Rcd> {
+    let first = order[run.members[0]];
+    let (range, beta) = (run.median(), first.half_width);
+    let fewest = FEWEST.max((0.6 * visible(beta, range, first.r_max, 1.0) / alpha).ceil() as usize);
+    if run.members.len() < fewest {
+        return Vec::new();
+    }
+    let turned = |k: &usize| cross(first.axis, order[*k].axis).atan2(dot(first.axis, order[*k].axis)).rem_euclid(TAU);
+    let span = run.members.iter().map(turned).fold(0.0, f64::max);
+    let most = visible(beta, range, first.r_max, LOUD);
+    let middle = most.min(span / 2.0);
+    if span <= 2.0 * most + 2.0 * alpha {
+        return region(order, &run.members, span / 2.0).into_iter().collect();
+    }
+    let half: Vec<(Vec<usize>, f64)> = [(0.0, middle), (span - 2.0 * middle, span - middle)]
+        .into_iter()
+        .map(|(low, at)| {
+            let own = |k: &&usize| (low - 1e-9..=low + 2.0 * middle + 1e-9).contains(&turned(k));
+            (run.members.iter().filter(own).copied().collect(), at)
+        })
+        .collect();
+    half.into_iter().filter(|h| h.0.len() >= FEWEST).filter_map(|(members, _)| region(order, &members, middle)).collect()
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -140,21 +169,16 @@ fn join(runs: &mut Vec<Run>, place: &dyn Fn(usize) -> usize) {
     }
 }
 
-fn region(order: &[&Ping], run: &Run, alpha: f64) -> Option<Rcd> {
-    let pings: Vec<&Ping> = run.members.iter().map(|k| order[*k]).collect();
-    let (first, range) = (pings[0], run.median());
-    let wide = visible(first.half_width, range, first.r_max);
-    let fewest = FEWEST.max((0.6 * wide / alpha).ceil() as usize);
-    if pings.len() < fewest {
-        return None;
-    }
+fn region(order: &[&Ping], members: &[usize], _half: f64) -> Option<Rcd> {
+    let pings: Vec<&Ping> = members.iter().map(|k| order[*k]).collect();
+    let first = pings.first()?;
     let sum = pings.iter().fold((0.0, 0.0), |s, p| add(s, p.axis));
     let normal = times(sum, 1.0 / dot(sum, sum).sqrt());
     let centre = first.centre();
     let n = pings.len() as f64;
     let distance = |p: &&Ping| p.range.unwrap_or_default() + dot(normal, sub(p.at, centre));
     let range = pings.iter().map(distance).sum::<f64>() / n;
-    let span = pings.iter().map(|p| crate::world::plane::cross(normal, p.axis).asin().abs()).fold(0.0, f64::max);
+    let span = pings.iter().map(|p| cross(normal, p.axis).asin().abs()).fold(0.0, f64::max);
     let numbers = pings.iter().map(|p| p.number);
     Some(Rcd {
         centre,

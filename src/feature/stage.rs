@@ -78,7 +78,11 @@ impl Stage {
             drop_phantoms(&mut features, &rcds, &self.path);
         }
         if self.rules.corners {
-            features.corners = corners(&features, &rcds);
+            features.corners = corners(&features, &rcds, &self.path);
+            if self.rules.phantoms {
+                drop_phantoms(&mut features, &rcds, &self.path);
+                features.corners = corners(&features, &rcds, &self.path);
+            }
             cut(&mut features);
         }
         (features, rcds)
