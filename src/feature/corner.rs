@@ -6,12 +6,16 @@ use super::wall::concave;
 use crate::world::plane::{Point, cross, distance, dot, length, sub, times};
 
 /// A corner lies no farther inside either wall, metres.
-const INSIDE: f64 = 0.35;
+const INSIDE: f64 = 0.6;
 /// Corners nearer than this are one, metres.
 const SAME: f64 = 0.20;
 
 /// A corner that a point answers from may lie so far from what is known of its walls, metres.
 const REACH: f64 = 4.5;
+
+/// Walls that were seen so often and end no farther from where they meet do meet, metres.
+const REACHED: f64 = 0.3;
+const SEEN: usize = 3;
 
 /// 1 up to a distance, then a bell's side.
 fn near(d: f64, full: f64, s: f64) -> f64 {
@@ -51,6 +55,10 @@ fn probability(at: Point, walls: [&Wall; 2], rcds: &[Rcd]) -> (f64, usize) {
     }
     let points: Vec<f64> = rcds.iter().filter(|r| r.source == Source::Point).map(|r| answers(r, at)).collect();
     let point = points.iter().copied().fold(0.0, f64::max);
+    let reached = beyond.iter().all(|b| *b <= REACHED) && walls.iter().all(|w| w.rcds.len() >= SEEN);
+    if reached {
+        return (1.0, usize::MAX);
+    }
     let walls = near(beyond[0].max(0.0), REACH, 0.6) * near(beyond[1].max(0.0), REACH, 0.6);
     (walls * point, points.iter().filter(|p| **p >= 0.5).count())
 }
@@ -87,7 +95,7 @@ fn open(corner: &Corner, answers: usize, features: &Features, rcds: &[Rcd], path
 
 /// Cuts each wall that overshoots a corner there; a point at a corner is the corner.
 pub fn cut(features: &mut Features) {
-    let Features { walls, corners, spots } = features;
+    let Features { walls, corners, spots, .. } = features;
     spots.retain(|s| corners.iter().all(|c| distance(c.at, s.at) > SAME));
     for corner in corners.iter() {
         for k in corner.walls {

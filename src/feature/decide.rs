@@ -36,6 +36,8 @@ pub struct Decision {
     pub rays: [Point; BEARINGS],
     /// The free limit there, metres.
     pub limits: [f64; BEARINGS],
+    /// Up to where cells may be freed there, metres.
+    pub before: [f64; BEARINGS],
 }
 
 /// The direction turned left by an angle.
@@ -66,5 +68,5 @@ pub fn decide(ping: &Ping, features: &Features, view: &View, rules: &Rules) -> D
     } else {
         Case::Routine
     };
-    Decision { case, association, rays, limits: all.map(|l| l.distance) }
+    Decision { case, association, rays, limits: all.map(|l| l.distance), before: all.map(|l| l.before) }
 }

@@ -6,8 +6,6 @@ use super::ping::Ping;
 use super::update::{Fan, Part, Routine, Update};
 use crate::world::plane::{Point, add, dot, times};
 
-/// What is freed ends so many cells before the free limit.
-const BEFORE: f64 = 0.6;
 /// A wall is occupied, and freed before, so much beyond its ends, metres.
 const BEYOND: f64 = 0.15;
 /// A corner's walls are occupied up to so far from it, metres.
@@ -52,7 +50,7 @@ impl Drawing<'_> {
 
     /// Where freeing ends at a bearing for the free limit's sake.
     fn margin(&self, k: usize) -> f64 {
-        self.decision.limits[k] - BEFORE * self.cells.resolution
+        self.decision.before[k]
     }
 
     /// How far a wall's line is at a bearing, half a cell before it.
@@ -73,9 +71,8 @@ impl Drawing<'_> {
 
     /// Only emptiness: up to the limit, and where there is none up to the least one.
     fn emptiness(&self) -> Option<Routine> {
-        let least = self.decision.limits.iter().copied().fold(f64::INFINITY, f64::min);
-        let before = least - BEFORE * self.cells.resolution;
-        let far = |k: usize| if self.decision.limits[k].is_finite() { self.margin(k) } else { before };
+        let least = self.decision.before.iter().copied().fold(f64::INFINITY, f64::min);
+        let far = |k: usize| if self.decision.limits[k].is_finite() { self.margin(k) } else { least };
         let free = self.fan(|k| far(k).min(self.z + 1.0));
         Some(Routine { weight: 1.0, free, arc: None, occupies: false })
     }

@@ -83,6 +83,8 @@ pub struct Features {
     pub spots: Vec<Spot>,
     /// Corners.
     pub corners: Vec<Corner>,
+    /// Short lines between ends, which nothing is known to have crossed.
+    pub lines: Vec<[Point; 2]>,
 }
 
 impl Features {

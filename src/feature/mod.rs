@@ -7,6 +7,7 @@ pub mod decide;
 pub mod draw;
 pub mod features;
 pub mod limit;
+pub mod line;
 pub mod phantom;
 pub mod ping;
 pub mod rcd;

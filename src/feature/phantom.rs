@@ -38,7 +38,7 @@ fn survivors(all: &Features, stand: &[Vec<bool>; 2], rcds: &[Rcd], path: &[Point
     for (spot, _) in standing.spots.iter_mut().zip(&stand[1]).filter(|(_, s)| !**s) {
         spot.at = (f64::NAN, f64::NAN);
     }
-    let view = View::of(&standing, (0.0, 0.0), f64::INFINITY);
+    let view = View::of(&standing, (0.0, 0.0), f64::INFINITY, 0.05);
     let through = |rcd: &Rcd| view.first(rcd.centre, rcd.normal).is_some_and(|(d, _)| d < rcd.range - THROUGH);
     let behind = |rcd: &Rcd, own: (Option<usize>, Option<usize>)| {
         let other = |e: &super::limit::End| (e.wall.is_none() || e.wall != own.0) && (e.spot.is_none() || e.spot != own.1);

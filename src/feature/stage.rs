@@ -85,6 +85,7 @@ impl Stage {
             }
             cut(&mut features);
         }
+        features.lines = super::line::lines(&features, &rcds, &self.path);
         (features, rcds)
     }
 
@@ -92,7 +93,7 @@ impl Stage {
         let (features, _) = self.features();
         while let Some(held) = self.held.front().filter(|h| self.travelled - h.travelled >= hold) {
             let reach = held.pings.iter().map(|p| p.r_max).fold(0.0, f64::max) + 1.0;
-            let view = View::of(&features, held.at, reach);
+            let view = View::of(&features, held.at, reach, self.cells.resolution);
             for ping in &held.pings {
                 let decision = decide(ping, &features, &view, &self.rules);
                 let case = match decision.case {

@@ -9,6 +9,9 @@ use crate::world::plane::{Point, add, cross, distance, dot, meet, sub, times};
 const PARALLEL: f64 = 0.174_532_925;
 /// A gap between two regions of one wall, metres.
 const GAP: f64 = 0.20;
+/// A gap between two that lie on one line as well as can be told, metres and radians.
+const WIDE: f64 = 0.5;
+const TIGHT: f64 = 0.1;
 /// Feet that spread less give no line, metres.
 const SPREAD: f64 = 0.3;
 /// A line through the feet may turn the normal by less, radians.
@@ -62,7 +65,9 @@ fn one_wall(a: &Rcd, b: &Rcd) -> bool {
     let off = dot(near.normal, sub(far.foot, near.foot)).abs();
     let along = (-near.normal.1, near.normal.0);
     let gap = dot(along, sub(far.foot, near.foot)).abs() - a.half - b.half;
-    off <= 0.08 + 0.02 * far.range && gap <= GAP && angle(a.normal, b.normal) <= PARALLEL
+    let turn = angle(a.normal, b.normal);
+    let tight = off <= 0.04 + 0.01 * far.range && turn <= TIGHT;
+    off <= 0.08 + 0.02 * far.range && turn <= PARALLEL && gap <= if tight { WIDE } else { GAP }
 }
 
 /// The walls of the regions that are walls.
@@ -153,5 +158,5 @@ pub fn spots(rcds: &[Rcd], at_corners: &[usize]) -> Vec<Spot> {
 /// The features of so many regions, before phantoms are told from them: walls and points.
 pub fn gather(rcds: &mut [Rcd]) -> Features {
     let at_corners = points_at_corners(rcds, &walls(rcds));
-    Features { walls: walls(rcds), spots: spots(rcds, &at_corners), corners: Vec::new() }
+    Features { walls: walls(rcds), spots: spots(rcds, &at_corners), corners: Vec::new(), lines: Vec::new() }
 }
