@@ -43,8 +43,10 @@ pub fn draw(ping: &Ping, decision: &Decision, features: &Features, cells: Cells)
 impl Drawing<'_> {
     /// The fan whose vertices lie that far at each bearing.
     fn fan(&self, far: impl Fn(usize) -> f64) -> Option<Fan> {
+        // The robot stands there: a quarter of a cell is free whatever a limit says, and no triangle is without area.
+        let least = 0.25 * self.cells.resolution;
         let vertices: Vec<Point> =
-            (0..BEARINGS).map(|k| add(self.ping.at, times(self.decision.rays[k], far(k).max(0.0)))).collect();
+            (0..BEARINGS).map(|k| add(self.ping.at, times(self.decision.rays[k], far(k).max(least)))).collect();
         Some(Fan { vertices })
     }
 
@@ -120,7 +122,7 @@ impl Drawing<'_> {
                 let slope = dot(wall.along(), ray);
                 let edge = if slope > 0.0 { high } else { low };
                 let exit = if slope == 0.0 { f64::INFINITY } else { (edge - wall.place(self.ping.at)) / slope };
-                far = line.min(exit);
+                far = line.min(exit).min(self.z + CORNER);
             }
             far.min(self.margin(k))
         };

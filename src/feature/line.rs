@@ -7,7 +7,7 @@ use crate::world::plane::{Point, distance, length, sub, times};
 /// Such a line is no longer, metres.
 const LONGEST: f64 = 0.7;
 /// Ends nearer than this are one, metres.
-const SHORTEST: f64 = 0.05;
+const SHORTEST: f64 = 0.01;
 /// A sighting that ends so near behind a line doesn't cross it, metres.
 const BEYOND: f64 = 0.10;
 
