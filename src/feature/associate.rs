@@ -1,9 +1,14 @@
 //! Which feature a reading came from, and with what probability.
 
-use super::features::{Features, Wall};
+use super::features::Features;
 use super::ping::Ping;
 use super::rules::Rules;
 use crate::world::plane::{Point, add, cross, distance, dot, from_segment, sub, times};
+
+/// Deviation of a range, and of a projected point from its wall, metres.
+const SIGMA: f64 = 0.05;
+/// The paper's deviation of a projected point from its corner, metres.
+const PAPER: f64 = 0.20;
 
 /// The best of each kind: which, and P(z = it).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -47,7 +52,8 @@ pub fn associate(ping: &Ping, z: f64, features: &Features, rules: &Rules) -> Ass
     };
     let tip = add(ping.at, times(ping.axis, z));
     for (k, wall) in features.walls.iter().enumerate().filter(|(_, w)| w.front(ping.at) > 0.0) {
-        better(&mut found.wall, k, bell(from_wall(ping, z, tip, wall), rules.sigma_wall));
+        let [a, b] = wall.ends();
+        better(&mut found.wall, k, bell(from_segment(tip, a, b), SIGMA));
     }
     let bearing = |at: Point| {
         let v = sub(at, ping.at);
@@ -56,10 +62,10 @@ pub fn associate(ping: &Ping, z: f64, features: &Features, rules: &Rules) -> Ass
     if rules.corners {
         for (k, corner) in features.corners.iter().enumerate() {
             let p = if rules.paper {
-                bell(distance(tip, corner.at), 0.20)
+                bell(distance(tip, corner.at), PAPER)
             } else {
                 let faced = corner.walls.iter().all(|w| features.walls[*w].front(ping.at) > 0.0);
-                if faced && bearing(corner.at) <= ping.half_width { bell(z - distance(ping.at, corner.at), rules.sigma_range) } else { 0.0 }
+                if faced && bearing(corner.at) <= ping.half_width { bell(z - distance(ping.at, corner.at), SIGMA) } else { 0.0 }
             };
             better(&mut found.corner, k, p);
         }
@@ -67,7 +73,7 @@ pub fn associate(ping: &Ping, z: f64, features: &Features, rules: &Rules) -> Ass
     if rules.points {
         for (k, spot) in features.spots.iter().enumerate() {
             let seen = bearing(spot.at) <= ping.half_width;
-            better(&mut found.spot, k, if seen { bell(z - distance(ping.at, spot.at), rules.sigma_range) } else { 0.0 });
+            better(&mut found.spot, k, if seen { bell(z - distance(ping.at, spot.at), SIGMA) } else { 0.0 });
         }
         let [wall, corner, spot] = found.weights();
         if spot > 2.0 * wall.max(corner) {
@@ -77,10 +83,4 @@ pub fn associate(ping: &Ping, z: f64, features: &Features, rules: &Rules) -> Ass
         }
     }
     found
-}
-
-/// How far an echo lies from where a wall would have sent it, metres.
-fn from_wall(_ping: &Ping, _z: f64, tip: Point, wall: &Wall) -> f64 {
-    let [a, b] = wall.ends();
-    from_segment(tip, a, b)
 }

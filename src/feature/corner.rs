@@ -2,6 +2,7 @@
 
 use super::features::{Corner, Features, Wall, hit};
 use super::rcd::{Rcd, Source, tolerance};
+use super::rules::Rules;
 use super::wall::concave;
 use crate::world::plane::{Point, cross, distance, dot, length, sub, times};
 
@@ -23,13 +24,13 @@ fn near(d: f64, full: f64, s: f64) -> f64 {
 }
 
 /// The likely corners of the walls, with their legs; `rcds`: the points are among them.
-pub fn corners(features: &Features, rcds: &[Rcd], path: &[Point]) -> Vec<Corner> {
+pub fn corners(features: &Features, rcds: &[Rcd], path: &[[Point; 2]], rules: &Rules) -> Vec<Corner> {
     let walls = &features.walls;
     let mut found: Vec<Corner> = Vec::new();
     for (i, a) in walls.iter().enumerate() {
         for (k, b) in walls.iter().enumerate().skip(i + 1) {
             if let Some(at) = concave(a, b) {
-                let (probability, answers) = probability(at, [a, b], rcds);
+                let (probability, answers) = probability(at, [a, b], rcds, rules);
                 let legs = [a, b].map(|w| leg(at, w));
                 let corner = Corner { at, walls: [i, k], probability, legs };
                 if probability >= 0.5 && open(&corner, answers, features, rcds, path) {
@@ -48,12 +49,16 @@ pub fn corners(features: &Features, rcds: &[Rcd], path: &[Point]) -> Vec<Corner>
     kept
 }
 
-fn probability(at: Point, walls: [&Wall; 2], rcds: &[Rcd]) -> (f64, usize) {
+fn probability(at: Point, walls: [&Wall; 2], rcds: &[Rcd], rules: &Rules) -> (f64, usize) {
     let beyond = walls.map(|w| w.beyond(w.place(at)));
     if beyond.iter().any(|b| *b < -INSIDE) {
         return (0.0, 0);
     }
-    let points: Vec<f64> = rcds.iter().filter(|r| r.source == Source::Point).map(|r| answers(r, at)).collect();
+    // Where no region is known for a point, any but the walls' own may be one.
+    let told = rules.points && !rules.paper;
+    let own = |k: &usize| walls.iter().any(|w| w.rcds.contains(k));
+    let point = |(k, r): &(usize, &Rcd)| if told { r.source == Source::Point } else { !own(k) };
+    let points: Vec<f64> = rcds.iter().enumerate().filter(point).map(|(_, r)| r).map(|r| answers(r, at)).collect();
     let point = points.iter().copied().fold(0.0, f64::max);
     let reached = beyond.iter().all(|b| *b <= REACHED) && walls.iter().all(|w| w.rcds.len() >= SEEN);
     if reached {
@@ -77,10 +82,10 @@ fn leg(at: Point, wall: &Wall) -> Option<[Point; 2]> {
 }
 
 /// Whether nothing crosses its legs: no other wall, no sighting of a feature, and not the robot.
-fn open(corner: &Corner, answers: usize, features: &Features, rcds: &[Rcd], path: &[Point]) -> bool {
+fn open(corner: &Corner, answers: usize, features: &Features, rcds: &[Rcd], path: &[[Point; 2]]) -> bool {
     let walls = &features.walls;
     let others = || walls.iter().enumerate().filter(|(k, _)| !corner.walls.contains(k));
-    let seen = || walls.iter().flat_map(|w| &w.rcds).chain(features.spots.iter().flat_map(|s| &s.rcds)).map(|k| &rcds[*k]);
+    let seen = || features.members().map(|k| &rcds[k]);
     let legs = || corner.legs.iter().flatten();
     let crossed = |from: Point, to: Point, before: f64| {
         let v = sub(to, from);
@@ -89,7 +94,7 @@ fn open(corner: &Corner, answers: usize, features: &Features, rcds: &[Rcd], path
         legs().any(|leg| hit(from, ray, *leg).is_some_and(|d| d < far - before))
     };
     others().all(|(_, w)| !crossed(w.ends()[0], w.ends()[1], 0.0))
-        && path.windows(2).all(|step| !crossed(step[0], step[1], 0.0))
+        && path.iter().all(|step| !crossed(step[0], step[1], 0.0))
         && seen().filter(|r| crossed(r.centre, r.foot, 0.15)).count() <= answers
 }
 

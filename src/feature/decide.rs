@@ -12,6 +12,9 @@ pub const BEARINGS: usize = 21;
 /// An echo hidden by what is nearer by this, metres.
 const HIDDEN: f64 = 0.15;
 
+/// P(z = feature) from which on a reading is associated with it.
+const ASSOCIATED: f64 = 0.5;
+
 /// The case of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Case {
@@ -48,11 +51,11 @@ fn turned(axis: Point, by: f64) -> Point {
 
 /// Decides a reading.
 pub fn decide(ping: &Ping, features: &Features, view: &View, rules: &Rules) -> Decision {
-    let z = ping.range.unwrap_or(ping.r_max);
-    let seen = view.ends(ping.at, ping.axis, |_| true);
+    let z = ping.range.unwrap_or(ping.reach);
+    let sector = view.sector((ping.at, ping.axis), ping.half_width, rules.aside(ping.half_width), |_| true);
     let bearing = |k: usize| ping.half_width * (k as f64 / (BEARINGS / 2) as f64 - 1.0);
     let rays: [Point; BEARINGS] = std::array::from_fn(|k| turned(ping.axis, bearing(k)));
-    let all: [Limit; BEARINGS] = std::array::from_fn(|k| view.limit(ping.at, rays[k], bearing(k), &seen));
+    let all: [Limit; BEARINGS] = std::array::from_fn(|k| sector.limit(rays[k], bearing(k).sin()));
     let axis = all[BEARINGS / 2];
     let hidden = |by: By| axis.by == by && axis.distance < z - HIDDEN;
     let association = match ping.range {
@@ -61,9 +64,9 @@ pub fn decide(ping: &Ping, features: &Features, view: &View, rules: &Rules) -> D
     };
     let case = if hidden(By::Wall) {
         Case::Outlier
-    } else if association.best() >= rules.associated {
+    } else if association.best() >= ASSOCIATED {
         Case::Associated
-    } else if hidden(By::Line) {
+    } else if hidden(By::Line) && ping.range.is_some() {
         Case::Behind
     } else {
         Case::Routine

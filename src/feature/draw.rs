@@ -29,7 +29,7 @@ struct Drawing<'a> {
 
 /// The update of a reading; `None`: it says nothing.
 pub fn draw(ping: &Ping, decision: &Decision, features: &Features, cells: Cells) -> Option<Update> {
-    let z = ping.range.unwrap_or(ping.r_max);
+    let z = ping.range.unwrap_or(ping.reach);
     let drawing = Drawing { ping, decision, cells, z };
     let (parts, routine) = match decision.case {
         Case::Associated => drawing.associated(features),

@@ -88,10 +88,14 @@ pub struct Features {
 }
 
 impl Features {
-    /// Everything that blocks sight: walls, then legs, with the wall that each belongs to.
-    pub fn blockers(&self) -> impl Iterator<Item = ([Point; 2], usize)> + '_ {
-        let legs = self.corners.iter().flat_map(|c| c.legs.iter().zip(c.walls).filter_map(|(l, w)| l.map(|l| (l, w))));
-        self.walls.iter().enumerate().map(|(k, w)| (w.ends(), k)).chain(legs)
+    /// Everything that blocks sight: walls, then legs.
+    pub fn blockers(&self) -> impl Iterator<Item = [Point; 2]> + '_ {
+        self.walls.iter().map(Wall::ends).chain(self.corners.iter().flat_map(|c| c.legs).flatten())
+    }
+
+    /// The regions that its walls and points are made of, by their places in the list that it was built from.
+    pub fn members(&self) -> impl Iterator<Item = usize> + '_ {
+        self.walls.iter().flat_map(|w| &w.rcds).chain(self.spots.iter().flat_map(|s| &s.rcds)).copied()
     }
 }
 

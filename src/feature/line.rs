@@ -12,19 +12,19 @@ const SHORTEST: f64 = 0.01;
 const BEYOND: f64 = 0.10;
 
 /// The lines that neither the robot's path nor a sighting of a feature crosses.
-pub fn lines(features: &Features, rcds: &[Rcd], path: &[Point]) -> Vec<[Point; 2]> {
+pub fn lines(features: &Features, rcds: &[Rcd], path: &[[Point; 2]]) -> Vec<[Point; 2]> {
     let walls = features.walls.iter().enumerate().flat_map(|(k, w)| w.ends().map(|e| (e, Some(k))));
     let spots = features.spots.iter().map(|s| (s.at, None));
     let corners = features.corners.iter().map(|c| (c.at, None));
     let ends: Vec<(Point, Option<usize>)> = walls.chain(spots).chain(corners).collect();
-    let sightings: Vec<&Rcd> = features.walls.iter().flat_map(|w| &w.rcds).chain(features.spots.iter().flat_map(|s| &s.rcds)).map(|k| &rcds[*k]).collect();
+    let sightings: Vec<&Rcd> = features.members().map(|k| &rcds[k]).collect();
     let crossed = |line: [Point; 2]| {
         let passes = |from: Point, to: Point, beyond: f64| {
             let v = sub(to, from);
             let far = length(v);
             far > 0.0 && hit(from, times(v, 1.0 / far), line).is_some_and(|d| d < far - beyond)
         };
-        path.windows(2).any(|s| passes(s[0], s[1], 0.0)) || sightings.iter().any(|r| passes(r.centre, r.foot, BEYOND))
+        path.iter().any(|s| passes(s[0], s[1], 0.0)) || sightings.iter().any(|r| passes(r.centre, r.foot, BEYOND))
     };
     let mut found = Vec::new();
     for (k, (a, of)) in ends.iter().enumerate() {

@@ -19,8 +19,8 @@ pub struct Ping {
     pub range: Option<f64>,
     /// Half a beam's width β, radians.
     pub half_width: f64,
-    /// Range of the farthest echo, metres.
-    pub r_max: f64,
+    /// Range up to which its echoes count, metres: a missing echo tells nothing of what is farther.
+    pub reach: f64,
 }
 
 impl Ping {
@@ -38,7 +38,7 @@ impl Ping {
             axis: (cos, sin),
             range: (z <= sensor.r_max).then_some(z),
             half_width: sensor.half_width,
-            r_max: sensor.r_max,
+            reach: sensor.hit_range.min(sensor.r_max),
         })
     }
 
@@ -47,11 +47,11 @@ impl Ping {
         (self.record.robot.x, self.record.robot.y)
     }
 
-    /// The reading that the kernels take: a missing echo's range is `r_max`.
+    /// The reading that the kernels take: a missing echo's range is `reach`.
     pub fn reading(&self) -> Reading {
         match self.range {
             Some(range) => Reading { record: self.record, outcome: Outcome::Hit, range },
-            None => Reading { record: self.record, outcome: Outcome::NoEcho, range: self.r_max },
+            None => Reading { record: self.record, outcome: Outcome::NoEcho, range: self.reach },
         }
     }
 }

@@ -41,6 +41,10 @@ pub struct Rcd {
     pub scan: u64,
     /// What it is.
     pub source: Source,
+    /// Whether its own readings told what it is; else others decide.
+    pub fitted: bool,
+    /// Whether it is a feature by itself; else it takes another of the same.
+    pub clear: bool,
     /// Numbers of its pings, first and last.
     pub pings: (u64, u64),
     /// How many echoes it has.
@@ -123,13 +127,13 @@ pub fn regions(pings: &[Ping]) -> Vec<Rcd> {
 fn parts(order: &[&Ping], run: &Run, alpha: f64) -> Vec<Rcd> {
     let first = order[run.members[0]];
     let (range, beta) = (run.median(), first.half_width);
-    let fewest = FEWEST.max((0.6 * visible(beta, range, first.r_max, 1.0) / alpha).ceil() as usize);
+    let fewest = FEWEST.max((0.6 * visible(beta, range, first.reach, 1.0) / alpha).ceil() as usize);
     if run.members.len() < fewest {
         return Vec::new();
     }
     let turned = |k: &usize| cross(first.axis, order[*k].axis).atan2(dot(first.axis, order[*k].axis)).rem_euclid(TAU);
     let span = run.members.iter().map(turned).fold(0.0, f64::max);
-    let most = visible(beta, range, first.r_max, LOUD);
+    let most = visible(beta, range, first.reach, LOUD);
     let middle = most.min(span / 2.0);
     if span <= 2.0 * most + 2.0 * alpha {
         return region(order, &run.members, span / 2.0).into_iter().collect();
@@ -188,6 +192,8 @@ fn region(order: &[&Ping], members: &[usize], _half: f64) -> Option<Rcd> {
         half: range * span.sin(),
         scan: first.record.scan,
         source: Source::Wall,
+        fitted: false,
+        clear: true,
         pings: (numbers.clone().min()?, numbers.max()?),
         count: pings.len() as u32,
     })

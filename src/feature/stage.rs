@@ -1,25 +1,44 @@
-//! The stage: pings in, updates out, each when its features are as good as they get.
+//! The stage: scans in, updates out, each when its features are as good as they get.
 
 use super::corner::{corners, cut};
-use super::decide::{Case, decide};
+use super::decide::decide;
 use super::draw::{Cells, draw};
 use super::features::Features;
 use super::limit::View;
+use super::line::lines;
+use super::near::Near;
 use super::phantom::drop_phantoms;
 use super::ping::Ping;
 use super::rcd::{Rcd, regions};
+use super::ring::Runs;
 use super::rules::Rules;
 use super::update::Update;
 use super::vote::vote;
 use super::wall::gather;
 use crate::world::plane::{Point, distance};
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, HashSet, VecDeque};
 
-/// What became of the readings.
+/// Readings of one sensor in a scan from which on it is taken for a circular one.
+const CIRCULAR: usize = 8;
+/// Held readings are released together, as far as their scans lie within this, metres.
+const WINDOW: f64 = 0.5;
+/// Features are looked for so much farther than a sensor reaches, metres.
+const BEYOND: f64 = 1.0;
+/// The most readings that are held.
+const MOST: usize = 1 << 17;
+/// Regions from one place of one thing tell no more than the first: edges of these places, metres.
+const SAME_CENTRE: f64 = 0.3;
+const SAME_FOOT: f64 = 0.1;
+
+/// What became of the readings, and what was found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Cases {
-    /// (i) to (iv).
-    pub counts: [u64; 4],
+pub struct Tally {
+    /// Readings of cases (i) to (iv).
+    pub cases: [u64; 4],
+    /// Regions of constant depth.
+    pub regions: u64,
+    /// The most readings that were held at once.
+    pub held: u64,
 }
 
 /// A scan that waits.
@@ -33,79 +52,170 @@ struct Held {
 pub struct Stage {
     rules: Rules,
     cells: Cells,
-    rcds: Vec<Rcd>,
-    path: Vec<Point>,
+    regions: Near<Rcd>,
+    known: HashSet<[i64; 4]>,
+    runs: Runs,
+    path: Near<[Point; 2]>,
+    walked: HashSet<[i64; 4]>,
+    last: Option<Point>,
     travelled: f64,
     held: VecDeque<Held>,
-    /// What became of the readings.
-    pub cases: Cases,
+    count: usize,
+    /// What became of the readings so far.
+    pub tally: Tally,
+}
+
+/// Whole numbers of squares.
+fn squares(at: Point, edge: f64) -> [i64; 2] {
+    [at.0, at.1].map(|v| (v / edge).floor() as i64)
+}
+
+fn both([a, b]: [i64; 2], [c, d]: [i64; 2]) -> [i64; 4] {
+    [a, b, c, d]
 }
 
 impl Stage {
-    /// A stage with nothing known.
+    /// A stage that knows nothing.
     pub fn new(rules: Rules, cells: Cells) -> Stage {
-        Stage { rules, cells, rcds: Vec::new(), path: Vec::new(), travelled: 0.0, held: VecDeque::new(), cases: Cases::default() }
+        Stage {
+            rules,
+            cells,
+            regions: Near::default(),
+            known: HashSet::new(),
+            runs: Runs::default(),
+            path: Near::default(),
+            walked: HashSet::new(),
+            last: None,
+            travelled: 0.0,
+            held: VecDeque::new(),
+            count: 0,
+            tally: Tally::default(),
+        }
     }
 
-    /// Takes a scan.
+    /// Takes a scan; updates that are ready are put out, in log order.
     pub fn scan(&mut self, pings: Vec<Ping>, out: &mut Vec<Update>) {
         let Some(first) = pings.first() else { return };
         let at = first.centre();
-        if let Some(last) = self.path.last() {
-            self.travelled += distance(*last, at);
-        }
-        self.path.push(at);
-        self.rcds.extend(regions(&pings));
+        self.walk(at);
+        self.look(&pings);
+        self.count += pings.len();
+        self.tally.held = self.tally.held.max(self.count as u64);
         self.held.push_back(Held { pings, at, travelled: self.travelled });
-        if self.held.front().is_some_and(|h| self.travelled - h.travelled >= self.rules.hold + 0.5) {
-            self.release(self.rules.hold, out);
+        let waits = |h: &Held| self.travelled - h.travelled;
+        if self.held.front().is_some_and(|h| waits(h) >= self.rules.hold + WINDOW) {
+            self.release(self.rules.hold, 0, out);
+        }
+        if self.count > MOST {
+            self.release(f64::INFINITY, MOST / 2, out);
         }
     }
 
     /// Lets go of what is left.
     pub fn finish(&mut self, out: &mut Vec<Update>) {
-        self.release(f64::NEG_INFINITY, out);
+        for rcd in self.runs.finish() {
+            self.keep(rcd);
+        }
+        self.release(f64::NEG_INFINITY, 0, out);
     }
 
-    /// Everything known now.
+    /// Every feature of the log so far, and the regions that they are made of.
     pub fn features(&self) -> (Features, Vec<Rcd>) {
-        let mut rcds = self.rcds.clone();
-        if self.rules.points {
+        self.around([f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY])
+    }
+
+    fn walk(&mut self, at: Point) {
+        if let Some(last) = self.last.replace(at) {
+            self.travelled += distance(last, at);
+            if self.walked.insert(both(squares(last, 0.1), squares(at, 0.1))) {
+                self.path.push(at, [last, at]);
+            }
+        }
+    }
+
+    /// Finds the scan's regions.
+    fn look(&mut self, pings: &[Ping]) {
+        let mut sensors: BTreeMap<u32, Vec<Ping>> = BTreeMap::new();
+        for ping in pings {
+            sensors.entry(ping.record.sensor).or_default().push(*ping);
+        }
+        for own in sensors.into_values() {
+            if own.len() >= CIRCULAR {
+                regions(&own).into_iter().for_each(|rcd| self.keep(rcd));
+            } else {
+                for ping in &own {
+                    if let Some(rcd) = self.runs.push(ping) {
+                        self.keep(rcd);
+                    }
+                }
+            }
+        }
+    }
+
+    fn keep(&mut self, rcd: Rcd) {
+        self.tally.regions += 1;
+        if self.known.insert(both(squares(rcd.centre, SAME_CENTRE), squares(rcd.foot, SAME_FOOT))) {
+            self.regions.push(rcd.foot, rcd);
+        }
+    }
+
+    /// The features in a box x0, y0, x1, y1.
+    fn around(&self, place: [f64; 4]) -> (Features, Vec<Rcd>) {
+        let (mut rcds, path) = (self.regions.within(place), self.path.within(place));
+        let rules = &self.rules;
+        if rules.points && !rules.paper {
             vote(&mut rcds);
         }
-        let mut features = gather(&mut rcds);
-        if self.rules.phantoms {
-            drop_phantoms(&mut features, &rcds, &self.path);
+        let mut features = gather(&mut rcds, rules);
+        if rules.phantoms && !rules.paper {
+            drop_phantoms(&mut features, &rcds, &path);
         }
-        if self.rules.corners {
-            features.corners = corners(&features, &rcds, &self.path);
-            if self.rules.phantoms {
-                drop_phantoms(&mut features, &rcds, &self.path);
-                features.corners = corners(&features, &rcds, &self.path);
+        if rules.corners {
+            features.corners = corners(&features, &rcds, &path, rules);
+            if rules.phantoms && !rules.paper {
+                // Legs hide phantoms, too, which may have stood in the way of corners.
+                drop_phantoms(&mut features, &rcds, &path);
+                features.corners = corners(&features, &rcds, &path, rules);
             }
             cut(&mut features);
         }
-        features.lines = super::line::lines(&features, &rcds, &self.path);
+        if rules.lines && !rules.paper {
+            features.lines = lines(&features, &rcds, &path);
+        }
         (features, rcds)
     }
 
-    fn release(&mut self, hold: f64, out: &mut Vec<Update>) {
-        let (features, _) = self.features();
-        while let Some(held) = self.held.front().filter(|h| self.travelled - h.travelled >= hold) {
-            let reach = held.pings.iter().map(|p| p.r_max).fold(0.0, f64::max) + 1.0;
+    /// Releases readings that were held for `hold` metres, or while more than `most` are held.
+    fn release(&mut self, hold: f64, most: usize, out: &mut Vec<Update>) {
+        let ripe = |s: &Stage| s.held.front().is_some_and(|h| s.travelled - h.travelled >= hold || s.count > most && most > 0);
+        while ripe(self) {
+            // Scans near each other share their features.
+            let mut window = Vec::new();
+            let start = self.held.front().map(|h| h.at);
+            while ripe(self) && self.held.front().map(|h| h.at).zip(start).is_some_and(|(a, b)| distance(a, b) <= 2.0 * WINDOW) {
+                let Some(held) = self.held.pop_front() else { break };
+                self.count -= held.pings.len();
+                window.push(held);
+            }
+            self.update(&window, out);
+        }
+    }
+
+    fn update(&mut self, window: &[Held], out: &mut Vec<Update>) {
+        let pings = || window.iter().flat_map(|h| &h.pings);
+        let reach = pings().map(|p| p.reach + distance(p.at, p.centre())).fold(0.0, f64::max) + BEYOND;
+        let mut place = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+        for (x, y) in window.iter().map(|h| h.at) {
+            place = [place[0].min(x - reach), place[1].min(y - reach), place[2].max(x + reach), place[3].max(y + reach)];
+        }
+        let (features, _) = self.around(place);
+        for held in window {
             let view = View::of(&features, held.at, reach, self.cells.resolution);
             for ping in &held.pings {
                 let decision = decide(ping, &features, &view, &self.rules);
-                let case = match decision.case {
-                    Case::Associated => 0,
-                    Case::Outlier => 1,
-                    Case::Behind => 2,
-                    Case::Routine => 3,
-                };
-                self.cases.counts[case] += 1;
+                self.tally.cases[decision.case as usize] += 1;
                 out.extend(draw(ping, &decision, &features, self.cells));
             }
-            self.held.pop_front();
         }
     }
 }

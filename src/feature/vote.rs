@@ -24,28 +24,39 @@ pub fn angle(a: Point, b: Point) -> f64 {
     cross(a, b).atan2(dot(a, b)).abs()
 }
 
-/// Says of each region whether it is a wall or a point.
+/// Says of each region whether it is a wall or a point, but for those that know it themselves.
 pub fn vote(rcds: &mut [Rcd]) {
-    let verdicts: Vec<Source> = (0..rcds.len()).map(|k| verdict(&rcds[k], rcds)).collect();
-    rcds.iter_mut().zip(verdicts).for_each(|(rcd, verdict)| rcd.source = verdict);
-}
-
-fn verdict(rcd: &Rcd, others: &[Rcd]) -> Source {
-    let (mut walls, mut points) = (0, 0);
-    for other in others {
-        let apart = distance(rcd.foot, other.foot);
-        if apart >= NEAR || distance(rcd.centre, other.centre) < APART {
-            continue;
-        }
-        let turn = angle(rcd.normal, other.normal);
-        let offset = dot(rcd.normal, sub(other.foot, rcd.foot)).abs();
-        let tau = same_place(rcd.range.max(other.range));
-        let plane = turn <= PARALLEL && offset <= BESIDE;
-        if plane && apart > tau {
-            walls += 1;
-        } else if !plane && apart <= tau && turn >= TURNED {
-            points += 1;
+    // By place, so that each meets the near ones alone.
+    let mut order: Vec<usize> = (0..rcds.len()).collect();
+    order.sort_by(|a, b| rcds[*a].foot.0.total_cmp(&rcds[*b].foot.0).then(a.cmp(b)));
+    let mut votes = vec![[0u32; 2]; rcds.len()];
+    for (place, k) in order.iter().enumerate() {
+        let rcd = &rcds[*k];
+        for other in order[place + 1..].iter().take_while(|j| rcds[**j].foot.0 - rcd.foot.0 < NEAR) {
+            if let Some(source) = verdict(rcd, &rcds[*other]) {
+                votes[*k][source as usize] += 1;
+                votes[*other][source as usize] += 1;
+            }
         }
     }
-    if points > walls { Source::Point } else { Source::Wall }
+    for (rcd, [walls, points]) in rcds.iter_mut().zip(votes).filter(|(r, _)| !r.fitted) {
+        rcd.source = if points > walls { Source::Point } else { Source::Wall };
+    }
+}
+
+/// What two regions say of each other.
+fn verdict(a: &Rcd, b: &Rcd) -> Option<Source> {
+    let apart = distance(a.foot, b.foot);
+    if apart >= NEAR || distance(a.centre, b.centre) < APART {
+        return None;
+    }
+    let turn = angle(a.normal, b.normal);
+    let offset = |from: &Rcd, to: &Rcd| dot(from.normal, sub(to.foot, from.foot)).abs();
+    let tau = same_place(a.range.max(b.range));
+    let plane = turn <= PARALLEL && offset(a, b).min(offset(b, a)) <= BESIDE;
+    if plane {
+        (apart > tau).then_some(Source::Wall)
+    } else {
+        (apart <= tau && turn >= TURNED).then_some(Source::Point)
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::features::{Features, Spot, Wall};
 use super::rcd::{Rcd, Source};
+use super::rules::Rules;
 use super::vote::{angle, same_place};
 use crate::world::plane::{Point, add, cross, distance, dot, meet, sub, times};
 
@@ -47,16 +48,22 @@ impl Sets {
     }
 }
 
-fn grouped(of: &[usize], same: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+/// The groups of those that are `same`, transitively; none is so with what lies farther than `reach` from it in x.
+fn grouped(rcds: &[Rcd], mut of: Vec<usize>, reach: f64, same: impl Fn(&Rcd, &Rcd) -> bool) -> Vec<Vec<usize>> {
+    of.sort_by(|a, b| rcds[*a].foot.0.total_cmp(&rcds[*b].foot.0).then(a.cmp(b)));
     let mut sets = Sets((0..of.len()).collect());
     for (i, a) in of.iter().enumerate() {
-        for (j, b) in of.iter().enumerate().skip(i + 1) {
-            if same(*a, *b) {
+        let near = of.iter().enumerate().skip(i + 1).take_while(|(_, b)| rcds[**b].foot.0 - rcds[*a].foot.0 <= reach);
+        for (j, b) in near {
+            if same(&rcds[*a], &rcds[*b]) {
                 sets.join(i, j);
             }
         }
     }
-    sets.groups(of)
+    let mut groups = sets.groups(&of);
+    groups.iter_mut().for_each(|g| g.sort_unstable());
+    groups.sort_unstable();
+    groups
 }
 
 /// Whether two regions are of one wall.
@@ -73,7 +80,9 @@ fn one_wall(a: &Rcd, b: &Rcd) -> bool {
 /// The walls of the regions that are walls.
 pub fn walls(rcds: &[Rcd]) -> Vec<Wall> {
     let own: Vec<usize> = (0..rcds.len()).filter(|k| rcds[*k].source == Source::Wall).collect();
-    grouped(&own, |a, b| one_wall(&rcds[a], &rcds[b])).into_iter().map(|group| wall(rcds, group)).collect()
+    let longest = own.iter().map(|k| rcds[*k].half).fold(0.0, f64::max);
+    let sure = |g: &Vec<usize>| g.len() > 1 || g.iter().any(|k| rcds[*k].clear);
+    grouped(rcds, own, 2.0 * longest + WIDE, one_wall).into_iter().filter(sure).map(|group| wall(rcds, group)).collect()
 }
 
 fn wall(rcds: &[Rcd], group: Vec<usize>) -> Wall {
@@ -144,7 +153,7 @@ pub fn concave(a: &Wall, b: &Wall) -> Option<Point> {
 /// Points that two scans saw, or that lie where walls meet (`at_corners`).
 pub fn spots(rcds: &[Rcd], at_corners: &[usize]) -> Vec<Spot> {
     let own: Vec<usize> = (0..rcds.len()).filter(|k| rcds[*k].source == Source::Point).collect();
-    let groups = grouped(&own, |a, b| distance(rcds[a].foot, rcds[b].foot) <= SAME);
+    let groups = grouped(rcds, own, SAME, |a, b| distance(a.foot, b.foot) <= SAME);
     let several = |group: &Vec<usize>| {
         group.iter().any(|k| rcds[*k].scan != rcds[group[0]].scan || at_corners.binary_search(k).is_ok())
     };
@@ -156,7 +165,8 @@ pub fn spots(rcds: &[Rcd], at_corners: &[usize]) -> Vec<Spot> {
 }
 
 /// The features of so many regions, before phantoms are told from them: walls and points.
-pub fn gather(rcds: &mut [Rcd]) -> Features {
-    let at_corners = points_at_corners(rcds, &walls(rcds));
+pub fn gather(rcds: &mut [Rcd], rules: &Rules) -> Features {
+    let told = rules.points && !rules.paper;
+    let at_corners = if told { points_at_corners(rcds, &walls(rcds)) } else { Vec::new() };
     Features { walls: walls(rcds), spots: spots(rcds, &at_corners), corners: Vec::new(), lines: Vec::new() }
 }
