@@ -7,11 +7,12 @@
 use crate::Result;
 use crate::kernels::Backend;
 use crate::kernels::ceiling::Ceilings;
-use crate::layout::{Beam, Cone, Entry, Scan};
+use crate::layout::{Beam, Cone, Entry, Scan, Shapes};
 use crate::mapper::{self, Mapper, Work};
 use crate::method::settings::{Csm, Settings};
 use crate::method::{Method, Step, Unit, tile_words};
 use crate::scan::Scans;
+use crate::update;
 use crate::whole::Scanned;
 use crate::workload::Workload;
 use serde::Serialize;
@@ -92,6 +93,12 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
                 let taken = started.elapsed();
                 (work, taken, mapper::finish(&workload.grid, method, backend, true)?)
             }
+            Settings::Features(_) => {
+                let work = apply_plain(workload, method, backend)?;
+                backend.wait()?;
+                let taken = started.elapsed();
+                (work, taken, mapper::finish(&workload.grid, method, backend, true)?)
+            }
             _ => {
                 let mut mapper =
                     Mapper::new(workload.grid, &workload.sensors, method, backend, mapper::BATCH).without_counts();
@@ -106,6 +113,7 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
         // An entry names a cone; or a scan, of which each update takes a beam.
         let (named, taken_up) = match method.unit() {
             Unit::Reading => (size_of::<Cone>(), 0),
+            Unit::Update => (size_of::<Cone>() + size_of::<Shapes>(), 0),
             Unit::Scan => (size_of::<Scan>(), updates * size_of::<Beam>() as u64),
         };
         let (listed, cells) = (size_of::<Entry>() + named, 8 * tile_words(method));
@@ -146,6 +154,13 @@ fn count_scans(workload: &Workload, csm: Csm, method: &dyn Method, backend: &mut
     let here = (std::env::temp_dir(), u64::MAX);
     let scanned = Scanned::read(&workload.grid, csm, scans, (&here.0, here.1), &|_| {})?;
     scanned.apply(method, backend, mapper::BATCH, &|_| {})
+}
+
+/// A workload's readings as updates of which no feature is known.
+fn apply_plain(workload: &Workload, method: &dyn Method, backend: &mut dyn Backend) -> Result<Work> {
+    let updates = (0..).zip(&workload.readings).map(|(k, reading)| Ok(update::plain(k, *reading)));
+    let applied = update::apply(&workload.grid, &workload.sensors, method, backend, mapper::BATCH, updates, &|_| {})?;
+    Ok(applied.1)
 }
 
 /// The middle of the values, or of the two in the middle the mean.
