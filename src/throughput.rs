@@ -14,7 +14,7 @@ use crate::method::{Method, Step, Unit, tile_words};
 use crate::scan::Scans;
 use crate::update;
 use crate::whole::Scanned;
-use crate::workload::Workload;
+use crate::workload::{Workload, walls};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -80,6 +80,7 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
     let passes = method.sweeps().iter().copied().flatten().filter(|s| matches!(s, Step::Pass(..))).count() as u64;
     let per_sweep = passes.div_ceil(method.sweeps().len() as u64);
     let (mut passes, last) = (Vec::new(), runs.max(1) + 1);
+    let given = if method.unit() == Unit::Update { walls(workload) } else { Vec::new() };
     for run in 0..=last {
         // The last run is timed from within.
         if run == last {
@@ -94,7 +95,8 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
                 (work, taken, mapper::finish(&workload.grid, method, backend, true)?)
             }
             Settings::Features(_) => {
-                let work = apply_plain(workload, method, backend)?;
+                let (grid, sensors, all) = (&workload.grid, &workload.sensors, given.iter().map(Ok));
+                let (_, work) = update::apply(grid, sensors, method, backend, mapper::BATCH, all, &|_| {})?;
                 backend.wait()?;
                 let taken = started.elapsed();
                 (work, taken, mapper::finish(&workload.grid, method, backend, true)?)
@@ -154,13 +156,6 @@ fn count_scans(workload: &Workload, csm: Csm, method: &dyn Method, backend: &mut
     let here = (std::env::temp_dir(), u64::MAX);
     let scanned = Scanned::read(&workload.grid, csm, scans, (&here.0, here.1), &|_| {})?;
     scanned.apply(method, backend, mapper::BATCH, &|_| {})
-}
-
-/// A workload's readings as updates of which no feature is known.
-fn apply_plain(workload: &Workload, method: &dyn Method, backend: &mut dyn Backend) -> Result<Work> {
-    let updates = (0..).zip(&workload.readings).map(|(k, reading)| Ok(update::plain(k, *reading)));
-    let applied = update::apply(&workload.grid, &workload.sensors, method, backend, mapper::BATCH, updates, &|_| {})?;
-    Ok(applied.1)
 }
 
 /// The middle of the values, or of the two in the middle the mean.

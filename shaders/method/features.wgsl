@@ -27,14 +27,15 @@ fn member_row(cone: Cone, v: vec2<i32>) -> Row {
 
 // The update of four cells.
 fn fuse_cells(cone: Cone, weights: vec4<f32>, row: Row, code: vec4<u32>, cells: ptr<function, Cells>) {
-    var sum = vec4<f32>(0.0);
+    // From ½ on: software adapters add a constant first, wherever it stands.
+    var sum = vec4<f32>(0.5);
     if any(row.interior | row.arc) {
         let at = polar(cone, row);
         let p = likelihood(murphy(cone.profile.x, at.distance, at.turn), row.arc);
-        sum = lean((p - 0.5) * weights.z, code, 2u);
+        sum += lean((p - 0.5) * weights.z, code, 2u);
     }
     sum = (sum + lean(vec4<f32>(weights.x), code, 0u)) + lean(vec4<f32>(weights.y), code, 1u);
-    let p = min(max(sum + 0.5, vec4<f32>(1.0 - MOST)), vec4<f32>(MOST));
+    let p = min(max(sum, vec4<f32>(1.0 - MOST)), vec4<f32>(MOST));
     let one = vec4<f32>(1.0);
     let member = code != vec4<u32>(0u);
     (*cells).occupied = (*cells).occupied * select(one, p, member);

@@ -79,13 +79,14 @@ pub fn fuse_cells<S: Simd, const ROUTINE: bool>(
     let Said { occupied, freed, polar: [distance, turn] } = *said;
     let [first, second, weight, _] = shapes.weights;
     let splat = |x: f32| f32x16::splat(simd, x);
-    let mut sum = splat(0.0);
+    // From ½ on: software adapters add a constant first, wherever it stands.
+    let mut sum = splat(0.5);
     if ROUTINE {
         let p = likelihood(frame, murphy(cone.profile[0], distance, turn), occupied[2]);
-        sum = lean((p - 0.5) * weight, occupied[2], freed[2]);
+        sum += lean((p - 0.5) * weight, occupied[2], freed[2]);
     }
     sum = (sum + lean(splat(first), occupied[0], freed[0])) + lean(splat(second), occupied[1], freed[1]);
-    let p = (sum + 0.5).max(1.0 - MOST).min(MOST);
+    let p = sum.max(1.0 - MOST).min(MOST);
     let member = occupied[0] | occupied[1] | occupied[2] | freed[0] | freed[1] | freed[2];
     cells.occupied = member.select(cells.occupied * p, cells.occupied);
     cells.empty = member.select(cells.empty * (splat(1.0) - p), cells.empty);

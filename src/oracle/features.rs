@@ -17,7 +17,7 @@ use std::ops::Range;
 const SAYS: f64 = 0.8;
 /// No P(occupied) of an update is below this or above 1 − this.
 const CLAMP: f64 = 0.02;
-/// Roundings of the weighted sum: two of each term (its weight, its product), a half in each of two sums below ½, one in the last.
+/// Roundings of the weighted sum: two of each term (its weight, its product), and a half in each of three sums below 1.
 const TERM: f64 = 2.0 * U;
 const SUMS: f64 = 2.0 * U;
 

@@ -20,6 +20,7 @@ use crate::method::Method;
 use crate::reading::{Counts, Reading};
 use crate::sensor::Sensor;
 use rayon::prelude::*;
+use std::borrow::Borrow;
 use std::time::Instant;
 
 /// The update of a reading of which no feature is known: that of the Bayesian grid, nowhere cut off.
@@ -33,13 +34,13 @@ pub fn plain(number: u64, reading: Reading) -> Update {
 ///
 /// # Errors
 /// The updates'; [`crate::Error::Usage`] for one that reaches farther than 512 cells; the backend's.
-pub fn apply(
+pub fn apply<U: Borrow<Update> + Sync>(
     grid: &GridSpec,
     sensors: &[Sensor],
     method: &dyn Method,
     backend: &mut dyn Backend,
     batch: usize,
-    updates: impl Iterator<Item = Result<Update>>,
+    updates: impl Iterator<Item = Result<U>>,
     progress: &dyn Fn(u64),
 ) -> Result<(Counts, Work)> {
     let batch = batch.clamp(1, backend.limits().readings);
@@ -70,7 +71,7 @@ struct Applier<'a> {
 
 impl Applier<'_> {
     /// Applies one window.
-    fn apply(&mut self, updates: &[Update]) -> Result<()> {
+    fn apply<U: Borrow<Update> + Sync>(&mut self, updates: &[U]) -> Result<()> {
         if updates.is_empty() {
             return Ok(());
         }
@@ -80,7 +81,7 @@ impl Applier<'_> {
         // A cone is so many points.
         let points = limits.readings.saturating_mul(size_of::<Cone>() / size_of::<[i32; 2]>());
         let binned = rayon::scope(|_| -> Result<_> {
-            let snap = |update| snapped(grid, sensors, method, update);
+            let snap = |update: &U| snapped(grid, sensors, method, update.borrow());
             let found = updates.par_iter().with_min_len(64).map(snap).collect::<Result<Vec<_>>>()?;
             let reaching: Vec<Snapped> = found.into_iter().flatten().collect();
             let pairs: usize = reaching.par_iter().with_min_len(64).map(|u| bins.at_most(u)).sum();
@@ -99,7 +100,7 @@ impl Applier<'_> {
     }
 
     /// Applies a window that is too large as two.
-    fn halves(&mut self, updates: &[Update]) -> Result<()> {
+    fn halves<U: Borrow<Update> + Sync>(&mut self, updates: &[U]) -> Result<()> {
         let (first, last) = updates.split_at(updates.len() / 2);
         self.apply(first)?;
         self.apply(last)

@@ -81,7 +81,7 @@ pub fn snapped(grid: &GridSpec, sensors: &[Sensor], method: &dyn Method, update:
         let flag = |limit: &Option<Fan>, bit: u32| if limit.is_some() { bit } else { 0 };
         shapes.flags = flag(&routine.free, FREE_LIMIT) | flag(&routine.arc, ARC_LIMIT);
         let reach = reading.range + sensor.epsilon(grid.resolution);
-        if !(32.0 * reach / grid.resolution <= FARTHEST as f64) {
+        if reach.is_nan() || 32.0 * reach / grid.resolution > FARTHEST as f64 {
             return Err(points.far(reach));
         }
         cone = snap(grid, sensor, reading, Footprint::Cone, None).map(|(cone, snapped)| Cone {

@@ -27,7 +27,7 @@ fn mistyped(more: &[&str], message: &str) {
 #[test]
 fn methods() {
     let there_are = "there are certainty, dempster-shafer, bayes, himm, truth, csm-discrete, csm-continuous, \
-                     csm-semantic-discrete, csm-semantic-continuous";
+                     csm-semantic-discrete, csm-semantic-continuous, features";
     refused(&["-m", "baye"], &format!("there is no method \"baye\"; did you mean \"bayes\"? {there_are}"));
     refused(
         &["-m", "demster"],
