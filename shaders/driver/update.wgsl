@@ -9,16 +9,15 @@ struct Said {
     row: Row,
 }
 
-// The four cells, the first one's centre at v, that a shape of one fan holds, by the entry's slot.
-fn fan(update: Shapes, k: u32, slot: u32, v: vec2<i32>) -> vec4<bool> {
+// Of four cells, the first one's centre at v, those that the k-th fan holds, by the entry's slot.
+fn fan(points: vec2<u32>, k: u32, slot: u32, v: vec2<i32>) -> vec4<bool> {
     if (slot & (FULL << k)) != 0u {
         return vec4<bool>(true);
     }
     if (slot & (FAN << k)) == 0u {
         return vec4<bool>(false);
     }
-    var fans = update.fans;
-    return in_fan(fans[k], v);
+    return in_fan(points, v);
 }
 
 // A source's part of the code.
@@ -27,25 +26,27 @@ fn source(k: u32, occupied: vec4<bool>, freed: vec4<bool>) -> vec4<u32> {
     return select(select(none, vec4<u32>(FREED << (2u * k)), freed), vec4<u32>(OCCUPIED << (2u * k)), occupied);
 }
 
+// What a part says of four cells.
+fn part(k: u32, lines: vec2<u32>, points: vec2<u32>, slot: u32, v: vec2<i32>) -> vec4<u32> {
+    var occupied = vec4<bool>(false);
+    if (slot & (LINES << k)) != 0u {
+        occupied = on_lines(lines, v);
+    }
+    return source(k, occupied, fan(points, k, slot, v));
+}
+
 // What an update says of four cells.
 fn look_at(cone: Cone, update: Shapes, slot: u32, cell: vec2<u32>) -> Said {
     let v = CELL * vec2<i32>(cell) + vec2<i32>(CELL / 2) - cone.sensor;
     var said: Said;
-    var lines = update.lines;
-    for (var k = 0u; k < 2u; k++) {
-        var occupied = vec4<bool>(false);
-        if (slot & (LINES << k)) != 0u {
-            occupied = on_lines(lines[k], v);
-        }
-        said.code = said.code | source(k, occupied, fan(update, k, slot, v));
-    }
+    said.code = part(0u, update.lines[0], update.fans[0], slot, v) | part(1u, update.lines[1], update.fans[1], slot, v);
     if (slot & ROUTINE) != 0u {
         said.row = look(cone, cell);
         if (update.flags & FREE_LIMIT) != 0u {
-            said.row.interior = said.row.interior & fan(update, 2u, slot, v);
+            said.row.interior = said.row.interior & fan(update.fans[2], 2u, slot, v);
         }
         if (update.flags & ARC_LIMIT) != 0u {
-            said.row.arc = said.row.arc & fan(update, 3u, slot, v);
+            said.row.arc = said.row.arc & fan(update.fans[3], 3u, slot, v);
         }
         said.code = said.code | source(2u, said.row.arc, said.row.interior);
     }

@@ -8,21 +8,28 @@ const SPOT: i32 = 24;
 // Four cells of a row, the first one's centre at v.
 fn in_fan(fan: vec2<u32>, v: vec2<i32>) -> vec4<bool> {
     var inside = vec4<bool>(false);
-    for (var k = fan.x + 1u; k < fan.y; k++) {
+    let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
+    var a = vec2<i32>(0);
+    var left = vec4<i32>(0);
+    for (var k = fan.x; k < fan.y; k++) {
+        let b = points[k];
+        let right = cross_4(b, x, v.y);
         // The ray to the next triangle is that one's, the last ray the fan's.
         let limit = select(-1, 0, k + 1u == fan.y);
-        inside = inside | in_triangle(points[k - 1u], points[k], limit, v);
+        inside = inside | in_triangle(a.x * b.y - a.y * b.x, limit, left, right);
+        a = b;
+        left = right;
     }
     return inside;
 }
 
-// The triangle between the sensor and a and, counter-clockwise, b; nothing where it has no area.
-fn in_triangle(a: vec2<i32>, b: vec2<i32>, limit: i32, v: vec2<i32>) -> vec4<bool> {
-    let area = a.x * b.y - a.y * b.x;
-    let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
+// The triangle between the sensor and two vertices, counter-clockwise, from its area and what crosses them: cross(a, p),
+// cross(b, p). Nothing where it has no area.
+fn in_triangle(area: i32, limit: i32, left: vec4<i32>, right: vec4<i32>) -> vec4<bool> {
     let zero = vec4<i32>(0);
-    let within = (cross_4(a, x, v.y) >= zero) & (cross_4(b, x, v.y) <= vec4<i32>(limit));
-    return within & (cross_4(b - a, x, v.y) + area >= zero) & vec4<bool>(area > 0);
+    let within = (left >= zero) & (right <= vec4<i32>(limit)) & vec4<bool>(area > 0);
+    // cross(b - a, p - a).
+    return within & (right - left + area >= zero);
 }
 
 fn on_lines(ends: vec2<u32>, v: vec2<i32>) -> vec4<bool> {

@@ -26,7 +26,7 @@ pub const ENTRY: Entry = Entry {
         include_str!("../../shaders/method/features.wgsl")
     ),
     cost: Cost { flop: 32, int: 40 },
-    groups: 1,
+    groups: 8,
     make: |settings| match settings {
         Settings::Features(f) => Some(Box::new(f)),
         _ => None,

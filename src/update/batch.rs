@@ -65,12 +65,10 @@ impl Bins {
     }
 
     /// Bins snapped updates.
-    pub fn bin(&self, mut updates: Vec<Snapped>) -> Binned {
-        for (k, update) in updates.iter_mut().enumerate() {
-            update.cone.index = k as u32;
-        }
-        let run = updates.len().div_ceil(4 * rayon::current_num_threads()).max(16);
-        let runs: Vec<Run> = updates.par_chunks(run).map(|updates| self.run(updates)).collect();
+    pub fn bin(&self, updates: &[Snapped]) -> Binned {
+        let length = updates.len().div_ceil(4 * rayon::current_num_threads()).max(16);
+        let run = |(k, updates)| self.run((k * length) as u32, updates);
+        let runs: Vec<Run> = updates.par_chunks(length).enumerate().map(run).collect();
         let mut places: BTreeMap<[u32; 2], Vec<(&[Pair], u32)>> = BTreeMap::new();
         for run in &runs {
             for (place, pairs) in &run.chunks {
@@ -85,15 +83,16 @@ impl Bins {
             let shift = |[from, to]: [u32; 2]| [from + before, to + before];
             let Shapes { fans, lines, .. } = update.shapes;
             batch.shapes.push(Shapes { fans: fans.map(shift), lines: lines.map(shift), ..update.shapes });
-            batch.points.extend(update.points);
-            batch.cones.push(update.cone);
+            batch.points.extend_from_slice(&update.points);
+            batch.cones.push(Cone { index: batch.cones.len() as u32, ..update.cone });
         }
         Binned { batch, outside, empty_arc }
     }
 
-    fn run(&self, updates: &[Snapped]) -> Run {
+    /// The first of these is the batch's update number `first`.
+    fn run(&self, first: u32, updates: &[Snapped]) -> Run {
         let mut run = Run::default();
-        for update in updates {
+        for (index, update) in (first..).zip(updates) {
             let area = self.meet(update);
             let width = (area.columns.end - area.columns.start).max(1);
             let (mut any, mut occupied) = (false, false);
@@ -102,7 +101,7 @@ impl Bins {
                 let [i, j] = [area.columns.start + k % width, area.rows.start + k / width];
                 let [column, row] = [i, j].map(|t| t / CHUNK as i64);
                 let within = (j % CHUNK as i64 * CHUNK as i64 + i % CHUNK as i64) as u16;
-                let entry = Entry { cone: update.cone.index << ENTRY_SHIFT | flags, slot };
+                let entry = Entry { cone: index << ENTRY_SHIFT | flags, slot };
                 run.chunks.entry([row as u32, column as u32]).or_default().push((within, entry));
                 let occupies = flags & ARC != 0 || slot & (LINES | LINES << 1) != 0;
                 if !any || (!occupied && occupies) {
@@ -194,14 +193,18 @@ impl Bins {
         });
         for j in rows {
             for i in columns.clone() {
-                let first = |k: usize, t: i64| CELL * TILE as i32 * t as i32 + CELL / 2 - update.cone.sensor[k];
-                let v = [first(0, i), first(1, j)];
+                let v = [first_centre(update, 0, i), first_centre(update, 1, j)];
                 if let Some(meeting) = area.at([i, j]) {
                     show(v, meeting);
                 }
             }
         }
     }
+}
+
+/// Where the first centre of a column or row of tiles lies, units from the sensor.
+fn first_centre(update: &Snapped, k: usize, tile: i64) -> i32 {
+    CELL * TILE as i32 * tile as i32 + CELL / 2 - update.cone.sensor[k]
 }
 
 /// An entry's flags and slot, if something of the update may say something of a cell of the tile.

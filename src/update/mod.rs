@@ -70,39 +70,47 @@ struct Applier<'a> {
 }
 
 impl Applier<'_> {
-    /// Applies one window.
+    /// Snaps one window, and applies it.
     fn apply<U: Borrow<Update> + Sync>(&mut self, updates: &[U]) -> Result<()> {
+        let started = Instant::now();
+        let (grid, sensors, method) = (self.grid, self.sensors, self.method);
+        let snap = |update: &U| snapped(grid, sensors, method, update.borrow());
+        let found = updates.par_iter().with_min_len(64).map(snap).collect::<Result<Vec<_>>>()?;
+        let reaching: Vec<Snapped> = found.into_iter().flatten().collect();
+        self.counts.outside += (updates.len() - reaching.len()) as u64;
+        self.work.binning_us += started.elapsed().as_micros() as u64;
+        self.run(&reaching)
+    }
+
+    /// Bins a window and runs it, as two where it is too large.
+    fn run(&mut self, updates: &[Snapped]) -> Result<()> {
         if updates.is_empty() {
             return Ok(());
         }
         let started = Instant::now();
-        let (grid, sensors, method, limits) = (self.grid, self.sensors, self.method, self.backend.limits());
-        let (bins, one) = (Bins { size: [grid.width, grid.height] }, updates.len() == 1);
+        let (limits, one) = (self.backend.limits(), updates.len() == 1);
+        let bins = Bins { size: [self.grid.width, self.grid.height] };
         // A cone is so many points.
         let points = limits.readings.saturating_mul(size_of::<Cone>() / size_of::<[i32; 2]>());
-        let binned = rayon::scope(|_| -> Result<_> {
-            let snap = |update: &U| snapped(grid, sensors, method, update.borrow());
-            let found = updates.par_iter().with_min_len(64).map(snap).collect::<Result<Vec<_>>>()?;
-            let reaching: Vec<Snapped> = found.into_iter().flatten().collect();
-            let pairs: usize = reaching.par_iter().with_min_len(64).map(|u| bins.at_most(u)).sum();
-            let fits = pairs <= PAIRS && reaching.iter().map(|u| u.points.len()).sum::<usize>() <= points;
-            Ok((one || fits).then(|| bins.bin(reaching)))
-        })?;
-        let Some(Binned { batch, outside, empty_arc }) = binned else { return self.halves(updates) };
+        let pairs: usize = updates.par_iter().with_min_len(64).map(|u| bins.at_most(u)).sum();
+        if !one && (pairs > PAIRS || updates.iter().map(|u| u.points.len()).sum::<usize>() > points) {
+            return self.halves(updates);
+        }
+        let Binned { batch, outside, empty_arc } = bins.bin(updates);
         self.work.binning_us += started.elapsed().as_micros() as u64;
         if too_large(&batch, false, limits, one)? {
             return self.halves(updates);
         }
-        self.counts.outside += outside + (updates.len() - batch.cones.len()) as u64;
+        self.counts.outside += outside;
         self.counts.empty_arc += empty_arc;
         self.work.count(&batch);
-        self.backend.apply(method, frame(grid, method), &batch, method.sweeps()[0], &mut Vec::new())
+        let (frame, steps) = (frame(self.grid, self.method), self.method.sweeps()[0]);
+        self.backend.apply(self.method, frame, &batch, steps, &mut Vec::new())
     }
 
-    /// Applies a window that is too large as two.
-    fn halves<U: Borrow<Update> + Sync>(&mut self, updates: &[U]) -> Result<()> {
+    fn halves(&mut self, updates: &[Snapped]) -> Result<()> {
         let (first, last) = updates.split_at(updates.len() / 2);
-        self.apply(first)?;
-        self.apply(last)
+        self.run(first)?;
+        self.run(last)
     }
 }

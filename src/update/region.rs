@@ -42,11 +42,13 @@ fn in_triangle<S: Simd>(simd: S, a: [i32; 2], b: [i32; 2], limit: i32, v: [i32; 
         return;
     }
     let x = i32x16::load_array(simd, STEPS) + v[0];
-    let (left, right, front) = (x * -a[1], x * -b[1], x * -e[1]);
+    let columns = [x * -a[1], x * -b[1]];
     for row in rows {
         let y = v[1] + CELL * row as i32;
-        let within = (left + a[0] * y).simd_ge(0) & (right + b[0] * y).simd_le(limit);
-        inside[row] |= (within & (front + (e[0] * y + area)).simd_ge(0)).to_bitmask() as u32;
+        let (left, right) = (columns[0] + a[0] * y, columns[1] + b[0] * y);
+        let within = left.simd_ge(0) & right.simd_le(limit);
+        // cross(b − a, p − a).
+        inside[row] |= (within & (right - left + area).simd_ge(0)).to_bitmask() as u32;
     }
 }
 

@@ -41,8 +41,8 @@ pub fn check(sensors: &[Sensor], resolution: f64) -> Result<()> {
         let reach = sensor.r_max + sensor.epsilon(resolution) + 2.0 * resolution;
         if 32.0 * reach / resolution > FARTHEST as f64 {
             return Err(Error::Usage(format!(
-                "sensor {}: r_max is {} m, more than method features takes in cells of {resolution} m, 512 cells with what \
-                 lies about it: give a coarser --resolution or a smaller --set r_max",
+                "sensor {}: r_max is {} m, more than the 512 cells of {resolution} m that method features takes: give a \
+                 coarser --resolution or a smaller --set r_max",
                 sensor.id, sensor.r_max
             )));
         }

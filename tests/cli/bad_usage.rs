@@ -146,6 +146,25 @@ fn counts_and_sizes() {
 }
 
 #[test]
+fn what_features_cannot_take() {
+    refused(
+        &["-m", "features", "-r", "0.005"],
+        "sensor front: r_max is 4 m, more than the 512 cells of 0.005 m that method features takes: give a coarser \
+         --resolution or a smaller --set r_max",
+    );
+    refused(
+        &["-m", "features", "--sensor", "laser"],
+        "method features tells what a sonar's readings came from: leave out --sensor laser",
+    );
+    Place::new().refuses(
+        &["map", "log.jsonl", "-o", "out", "-m", "features", "--working", "1"],
+        2,
+        "echogrid: --working 1: it draws one reading's cone, and features updates what the feature it came from says: leave \
+         it out",
+    );
+}
+
+#[test]
 fn the_command_line_itself() {
     let place = Place::new();
     place.refuses(

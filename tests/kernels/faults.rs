@@ -453,8 +453,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "a fan without its right ray",
-        from: "(cross_4(a, x, v.y) >= zero)",
-        to: "(cross_4(a, x, v.y) > zero)",
+        from: "(left >= zero)",
+        to: "(left > zero)",
         methods: UPDATES,
         scene: scenes::updates,
     },
@@ -474,8 +474,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "a fan without its far side",
-        from: "(cross_4(b - a, x, v.y) + area >= zero)",
-        to: "(cross_4(b - a, x, v.y) + area > zero)",
+        from: "(right - left + area >= zero)",
+        to: "(right - left + area > zero)",
         methods: UPDATES,
         scene: scenes::updates,
     },
@@ -530,8 +530,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "either part occupies the first's lines",
-        from: "on_lines(lines[k], v)",
-        to: "on_lines(lines[0], v)",
+        from: "part(1u, update.lines[1], update.fans[1], slot, v)",
+        to: "part(1u, update.lines[0], update.fans[1], slot, v)",
         methods: UPDATES,
         scene: scenes::updates,
     },
@@ -551,8 +551,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "what is occupied is limited as what is freed",
-        from: "fan(update, 3u, slot, v)",
-        to: "fan(update, 2u, slot, v)",
+        from: "fan(update.fans[3], 3u, slot, v)",
+        to: "fan(update.fans[2], 2u, slot, v)",
         methods: UPDATES,
         scene: scenes::updates,
     },

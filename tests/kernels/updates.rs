@@ -1,15 +1,18 @@
 //! Updates that features made of readings: oracle against cpu against gpu, cases that can be worked out by hand, what is refused.
 
-use crate::common::{Run, Scene, assert_oracle, assert_same, gpu};
+use crate::common::{Run, Scene, assert_oracle, assert_same, gpu, patched_gpu};
 use crate::scenes::{self, bounds, reading, scene, sonar, updates_on};
 use echogrid::Error;
 use echogrid::compare::{self, compare};
 use echogrid::feature::{Fan, Part, Routine, Update};
 use echogrid::grid::GridSpec;
+use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
+use echogrid::log::Writer;
 use echogrid::method::{self, settings::Settings};
 use echogrid::reading::Outcome;
-use echogrid::update;
+use echogrid::session::{Request, Session};
+use echogrid::{update, verify};
 
 fn features() -> Settings {
     Settings::of("features").unwrap()
@@ -247,4 +250,39 @@ fn what_reaches_too_far_is_refused() {
     let message = update::check(&[sonar(15.0, 0.1, 26.0)], 0.05).unwrap_err().to_string();
     assert!(message.contains("r_max is 26 m") && message.contains("coarser --resolution"), "{message}");
     assert!(update::check(&[sonar(15.0, 0.1, 25.0), scenes::laser(0.5, 80.0)], 0.05).is_ok());
+}
+
+/// `echogrid verify` on a log: passes as it is; with a fault it fails, and names the readings that reached the cell.
+#[test]
+fn verify_names_the_readings() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.jsonl");
+    let mut scene = scenes::parked();
+    scene.sensors[0].id = "front".into();
+    let mut writer = Writer::new(Vec::new(), &scene.sensors, &[]).unwrap();
+    scene.items.iter().take(80).for_each(|(reading, _)| writer.write(&reading.record).unwrap());
+    std::fs::write(&path, writer.finish().unwrap()).unwrap();
+    let request = Request {
+        log: Default::default(),
+        settings: features(),
+        resolution: 0.05,
+        bounds: None,
+        until: None,
+        strict: true,
+    };
+    let session = Session::open(&path, &request).unwrap();
+    assert_eq!(session.updates(7).unwrap().count(), 7);
+    let oracle = session.oracle().unwrap();
+    let check = |backend: &mut dyn Backend| {
+        let mapped = session.map(backend, 33, &|_| {}).unwrap();
+        let counts = (mapped.counts.outside, mapped.counts.empty_arc, mapped.counts.wide);
+        assert_eq!(counts, (oracle.outside, oracle.empty_arc, oracle.wide));
+        verify::check(&session, &oracle, &mapped.finished, (backend.name(), String::new()), 0, 0.0).unwrap()
+    };
+    assert!(check(&mut Cpu::new(0).unwrap()).passed);
+    let Some(mut patched) = patched_gpu(&[("update.number, said_0", "update.number + 1u, said_0")]) else { return };
+    let found = check(&mut patched);
+    assert!(!found.passed && found.membership > 1000);
+    let last = found.membership_cell.unwrap().last_readings;
+    assert!(last.len() == 3 && last[0].sensor == "front" && last[0].line > last[2].line, "{last:?}");
 }
