@@ -25,7 +25,8 @@ pub const ENTRY: Entry = Entry {
         "\n",
         include_str!("../../shaders/method/features.wgsl")
     ),
-    cost: Cost { flop: 32, int: 40 },
+    // Of a cell of a routine part's cone; what fans and lines cost depends on how many there are.
+    cost: Cost { flop: 28, int: 32 },
     groups: 8,
     make: |settings| match settings {
         Settings::Features(f) => Some(Box::new(f)),
