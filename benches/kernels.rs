@@ -7,7 +7,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use echogrid::kernels::{Choice, choose};
 use echogrid::mapper::{BATCH, Mapper};
-use echogrid::method::{REGISTRY, make, settings::Settings};
+use echogrid::method::{REGISTRY, Unit, make, settings::Settings};
 use echogrid::throughput::measure;
 use echogrid::workload::standard;
 
@@ -17,6 +17,9 @@ fn kernels(c: &mut Criterion) {
     for choice in [Choice::Cpu, Choice::Gpu] {
         for entry in REGISTRY.iter().filter(|e| e.name != "truth") {
             let method = make(Settings::of(entry.name).unwrap());
+            if method.unit() != Unit::Reading {
+                continue;
+            }
             let Ok(mut chosen) = choose(choice, method.as_ref(), 0) else {
                 eprintln!("SKIPPED {}: no adapter", entry.name);
                 continue;

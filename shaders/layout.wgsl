@@ -19,6 +19,14 @@ const IDLE: u32 = 256u;
 const YIELD: u32 = 512u;
 const BEAM_SHIFT: u32 = 16u;
 
+const FAN: u32 = 1u;
+const FULL: u32 = 16u;
+const LINES: u32 = 256u;
+const ROUTINE: u32 = 1024u;
+
+const FREE_LIMIT: u32 = 1u;
+const ARC_LIMIT: u32 = 2u;
+
 const FREE: u32 = 1u;
 const OCCUPY: u32 = 2u;
 const COUNT: u32 = 4u;
@@ -63,6 +71,15 @@ struct Beam {
     ray: array<vec2<i32>, 2>,
     range: i32,
     id: u32,
+}
+
+struct Shapes {
+    fans: array<vec2<u32>, 4>,
+    lines: array<vec2<u32>, 2>,
+    weights: vec4<f32>,
+    number: u32,
+    flags: u32,
+    room: vec2<u32>,
 }
 
 struct Entry {

@@ -43,6 +43,10 @@ pub struct Batch {
     pub beams: Vec<Beam>,
     /// The centres of that chunk's columns, then of its rows, µm from the first cell's.
     pub centres: Vec<i32>,
+    /// For a method that takes updates what each does beside its cone, …
+    pub shapes: Vec<Shapes>,
+    /// … and their points.
+    pub points: Vec<[i32; 2]>,
 }
 
 /// How readings are binned.
@@ -59,7 +63,7 @@ pub struct Binning {
 }
 
 /// A cone in a tile: the tile's slot in its chunk, and the entry.
-type Pair = (u16, Entry);
+pub(crate) type Pair = (u16, Entry);
 
 /// What a run of readings reaches: each chunk's pairs in log order, by row and column; and where each reading's parts begin in
 /// the run.
@@ -181,7 +185,7 @@ impl Binning {
     }
 
     /// Shows each tile that the cone may touch, by column and row: whether its arc may, and whether all of it is interior.
-    fn tiles_of(&self, cone: &Cone, show: &mut impl FnMut([i64; 2], (bool, bool))) {
+    pub(crate) fn tiles_of(&self, cone: &Cone, show: &mut impl FnMut([i64; 2], (bool, bool))) {
         let shape = Shape::of(cone, self.footprint);
         self.chunks_of_shape(cone, &shape).for_each(|place| self.tiles_in(cone, &shape, place, show));
     }
@@ -250,7 +254,7 @@ impl Binning {
 
 /// A chunk's lists from its pairs, run by run with the number of parts before each: sorted by counting, which keeps the log's
 /// order within a tile.
-fn list(place: [u32; 2], runs: &[(&[Pair], u32)]) -> ChunkList {
+pub(crate) fn list(place: [u32; 2], runs: &[(&[Pair], u32)]) -> ChunkList {
     let pairs = || runs.iter().flat_map(|(pairs, before)| pairs.iter().map(move |pair| (pair, before)));
     let mut ends = [0u32; CHUNK * CHUNK];
     pairs().for_each(|((slot, _), _)| ends[usize::from(*slot)] += 1);

@@ -13,7 +13,7 @@ use fearless_simd::{f32x16, i32x16, mask32x16};
 use wide::{wide_axis_cells, wide_row};
 
 /// The columns' distances from the first one.
-const STEPS: [i32; TILE] = {
+pub(crate) const STEPS: [i32; TILE] = {
     let (mut steps, mut k) = ([0; TILE], 0);
     while k < TILE {
         steps[k] = CELL * k as i32;

@@ -43,6 +43,20 @@ pub const YIELD: u32 = 512;
 /// Bits of a beam's id below its place in the scan.
 pub const BEAM_SHIFT: u32 = 16;
 
+/// Slot bit of an update's entry: the first of its fans may meet the tile; the other three's follow.
+pub const FAN: u32 = 1;
+/// The same: all of the tile lies in the first fan; the other three's follow.
+pub const FULL: u32 = 16;
+/// The same: the first part's lines may meet the tile; the second's follow.
+pub const LINES: u32 = 256;
+/// The same: the routine part may meet the tile.
+pub const ROUTINE: u32 = 1024;
+
+/// Update flag: what the routine part frees is limited by the third fan.
+pub const FREE_LIMIT: u32 = 1;
+/// Update flag: what the routine part occupies is limited by the fourth fan.
+pub const ARC_LIMIT: u32 = 2;
+
 /// Frame mode: the pass frees (updates emptiness).
 pub const FREE: u32 = 1;
 /// Frame mode: the pass occupies.
@@ -134,6 +148,24 @@ pub struct Beam {
     pub id: u32,
 }
 
+/// What an update does beside its cone; its points lie in the batch's, units from the sensor.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Shapes {
+    /// The vertices' first place and that after the last: of what either part frees, of the routine part's two limits.
+    pub fans: [[u32; 2]; 4],
+    /// The same of what either part occupies: the two ends of each line.
+    pub lines: [[u32; 2]; 2],
+    /// By how much either part moves P(occupied) from ½ · the weight of the routine part · spare.
+    pub weights: [f32; 4],
+    /// The reading's number in the log.
+    pub number: u32,
+    /// [`FREE_LIMIT`], [`ARC_LIMIT`].
+    pub flags: u32,
+    /// Spare.
+    pub room: [u32; 2],
+}
+
 /// A cone, or a scan, in a tile's list.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
@@ -141,7 +173,7 @@ pub struct Entry {
     /// The cone's, or the scan's, index, shifted by [`ENTRY_SHIFT`], and [`ARC`], [`INSIDE`].
     pub cone: u32,
     /// Where this tile's share of the cone's arc is summed; of a scan the first and, in the upper half, the last bound whose
-    /// place among its bounds a cell of the tile may have.
+    /// place among its bounds a cell of the tile may have; of an update [`FAN`], [`FULL`], [`LINES`], [`ROUTINE`].
     pub slot: u32,
 }
 

@@ -12,6 +12,7 @@ pub mod scan;
 pub mod feature;
 pub mod snap;
 pub mod batch;
+pub mod update;
 pub mod layout;
 pub mod cone;
 pub mod profile;

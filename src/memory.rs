@@ -58,7 +58,9 @@ pub fn needed(grid: &GridSpec, method: &dyn Method, batch: usize) -> u64 {
     let state = chunks * (method::tile_words(method) * CHUNK * CHUNK * 4) as u64;
     // Layers and the combined one in f32, two counts, touched, class; then a copy of a layer to write.
     let layers = grid.cells() as u64 * (4 * (method.layers().len() as u64 + 1) + 8 + 2 + 4);
-    state + layers + batched(batch)
+    // An update as it comes, and snapped: some tens of points.
+    let updates = if method.unit() == Unit::Update { batch as u64 * 2048 } else { 0 };
+    state + layers + batched(batch) + updates
 }
 
 /// What the whole-log way takes, bytes, apart from the readings that it may spill: three chunks of cells on their way and a spare one, with

@@ -1,6 +1,7 @@
 //! A log, a method and a grid, checked before the long run; the readings to map, as often as a method sweeps over them.
 
 use crate::classes::Classes;
+use crate::feature::Update;
 use crate::grid::{GridSpec, Palette};
 use crate::kernels::Backend;
 use crate::layers;
@@ -15,6 +16,7 @@ use crate::scan::{Scan, Scans};
 use crate::sensor::{Kind, Overrides, Sensor};
 use crate::snap::Edges;
 use crate::survey::{Survey, survey};
+use crate::update;
 use crate::wedge;
 use crate::whole::Scanned;
 use crate::{Error, Result};
@@ -81,10 +83,21 @@ impl Session {
             }
             options.kind = Some(Kind::Laser);
         }
+        if let Settings::Features(_) = request.settings {
+            if options.kind == Some(Kind::Laser) {
+                return Err(Error::Usage(
+                    "method features tells what a sonar's readings came from: leave out --sensor laser".into(),
+                ));
+            }
+            options.kind = Some(Kind::Sonar);
+        }
         let log = Log::open(path, &options)?;
         let mut sensors = log.header().sensors.clone();
         if request.settings == Settings::Truth {
             sensors.iter_mut().for_each(|s| limit(s, &options.overrides));
+        }
+        if let Settings::Features(_) = request.settings {
+            update::check(&sensors, request.resolution)?;
         }
         // Given bounds are checked before the log is read through.
         let given = request.bounds.map(|b| GridSpec::from_bounds(b, request.resolution)).transpose()?;
@@ -157,6 +170,15 @@ impl Session {
         Ok(Scans::new(records, self.sensors(), labels, self.until.min(count), self.log.path()))
     }
 
+    /// The updates of the first `count` used readings, in order, for a method that takes them.
+    ///
+    /// # Errors
+    /// The log's.
+    pub fn updates(&self, count: usize) -> Result<impl Iterator<Item = Result<Update>> + '_> {
+        let items = self.items()?.take(count).enumerate();
+        Ok(items.map(|(number, item)| Ok(update::plain(number as u64, item?.0))))
+    }
+
     /// The readings to map, in log order, bad lines and unused records left out.
     pub fn items(&self) -> Result<impl Iterator<Item = Result<Item>> + '_> {
         Ok(Items {
@@ -197,6 +219,14 @@ impl Session {
             let finished = mapper::finish(&self.grid, self.method.as_ref(), backend, false)?;
             return Ok(Mapped { finished, counts: self.survey.counts, work });
         }
+        if let Settings::Features(_) = self.method.settings() {
+            let (grid, sensors, method) = (&self.grid, self.sensors(), self.method.as_ref());
+            let updates = self.updates(count)?;
+            let (reached, work) = update::apply(grid, sensors, method, backend, batch, updates, progress)?;
+            let finished = mapper::finish(grid, method, backend, false)?;
+            let Counts { outside, empty_arc, wide, .. } = reached;
+            return Ok(Mapped { finished, counts: Counts { outside, empty_arc, wide, ..self.survey.counts }, work });
+        }
         let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch);
         for sweep in 0..self.method.sweeps().len() {
             mapper.sweep(sweep, self.items()?.take(count).inspect(|_| progress(1)))?;
@@ -207,11 +237,15 @@ impl Session {
         Ok(Mapped { finished, counts: Counts { outside, empty_arc, wide, ..self.survey.counts }, work })
     }
 
-    /// Maps the log by the f64 oracle, one reading, or scan, at a time.
+    /// Maps the log by the f64 oracle, one reading, scan, or update, at a time.
     pub fn oracle(&self) -> Result<OracleMap> {
         if let Settings::Csm(csm) = self.method.settings() {
             let scans: Vec<Scan> = self.scans()?.collect::<Result<_>>()?;
             return Ok(oracle::map_scans(&self.grid, &scans, &csm));
+        }
+        if let Settings::Features(_) = self.method.settings() {
+            let updates = self.updates(usize::MAX)?;
+            return oracle::map_updates(&self.grid, self.sensors(), updates, &self.method.settings());
         }
         let (readings, wedges) = self.all()?;
         oracle::map(&self.grid, self.sensors(), &readings, &self.method.settings(), wedges.as_deref())

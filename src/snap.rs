@@ -42,7 +42,7 @@ const FARTHEST: i64 = 1 << 28;
 pub(crate) const SLACK: i64 = 2 * CELL as i64;
 
 /// ⌊v + ½⌋, within what no grid reaches; `f64::floor` is a call into the mathematical library on processors of the oldest kind.
-fn round(v: f64) -> i64 {
+pub(crate) fn round(v: f64) -> i64 {
     let v = (v + 0.5).clamp(-1e15, 1e15);
     let near = v as i64;
     near - i64::from(near as f64 > v)
@@ -54,6 +54,15 @@ fn direction(angle: f64) -> [i32; 2] {
 
 fn length([x, y]: [i32; 2]) -> f64 {
     f64::from(x * x + y * y).sqrt()
+}
+
+/// A point of the world frame, metres, in units from the grid's lower left corner.
+pub(crate) fn place(grid: &GridSpec, (x, y): (f64, f64)) -> [i64; 2] {
+    let units = |v: f64| 32.0 * v / grid.resolution;
+    [
+        round(units(x - grid.anchor.0)) - i64::from(CELL) * grid.i0,
+        round(units(y - grid.anchor.1)) - i64::from(CELL) * grid.j0,
+    ]
 }
 
 /// Snaps a reading to the grid. `None`: its reach does not meet the grid.
@@ -79,8 +88,7 @@ pub fn snap(
         _ => [(range - depth).max(0), range + depth],
     };
     let pose = reading.record.pose;
-    let x = round(units(pose.x - grid.anchor.0)) - i64::from(CELL) * grid.i0;
-    let y = round(units(pose.y - grid.anchor.1)) - i64::from(CELL) * grid.j0;
+    let [x, y] = place(grid, (pose.x, pose.y));
     let meets =
         |at: i64, cells: usize| at + reach[1] + SLACK >= 0 && at - reach[1] - SLACK <= i64::from(CELL) * cells as i64;
     if reach[1] > FARTHEST || !meets(x, grid.width) || !meets(y, grid.height) {

@@ -7,13 +7,14 @@
 use crate::Result;
 use crate::kernels::Backend;
 use crate::kernels::ceiling::Ceilings;
-use crate::layout::{Beam, Cone, Entry, Scan};
+use crate::layout::{Beam, Cone, Entry, Scan, Shapes};
 use crate::mapper::{self, Mapper, Work};
 use crate::method::settings::{Csm, Settings};
 use crate::method::{Method, Step, Unit, tile_words};
 use crate::scan::Scans;
+use crate::update;
 use crate::whole::Scanned;
-use crate::workload::Workload;
+use crate::workload::{Workload, walls};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -79,6 +80,7 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
     let passes = method.sweeps().iter().copied().flatten().filter(|s| matches!(s, Step::Pass(..))).count() as u64;
     let per_sweep = passes.div_ceil(method.sweeps().len() as u64);
     let (mut passes, last) = (Vec::new(), runs.max(1) + 1);
+    let given = if method.unit() == Unit::Update { walls(workload) } else { Vec::new() };
     for run in 0..=last {
         // The last run is timed from within.
         if run == last {
@@ -88,6 +90,13 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
         let (work, taken, finished) = match method.settings() {
             Settings::Csm(csm) => {
                 let work = count_scans(workload, csm, method, backend)?;
+                backend.wait()?;
+                let taken = started.elapsed();
+                (work, taken, mapper::finish(&workload.grid, method, backend, true)?)
+            }
+            Settings::Features(_) => {
+                let (grid, sensors, all) = (&workload.grid, &workload.sensors, given.iter().map(Ok));
+                let (_, work) = update::apply(grid, sensors, method, backend, mapper::BATCH, all, &|_| {})?;
                 backend.wait()?;
                 let taken = started.elapsed();
                 (work, taken, mapper::finish(&workload.grid, method, backend, true)?)
@@ -106,6 +115,7 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
         // An entry names a cone; or a scan, of which each update takes a beam.
         let (named, taken_up) = match method.unit() {
             Unit::Reading => (size_of::<Cone>(), 0),
+            Unit::Update => (size_of::<Cone>() + size_of::<Shapes>(), 0),
             Unit::Scan => (size_of::<Scan>(), updates * size_of::<Beam>() as u64),
         };
         let (listed, cells) = (size_of::<Entry>() + named, 8 * tile_words(method));

@@ -4,10 +4,11 @@
 //! cell; a class may differ only where the cell stands on a decision boundary, within those bounds.
 
 use crate::Result;
+use crate::feature::Update;
 use crate::mapper::Finished;
 use crate::method::Unit;
 use crate::method::settings::Settings;
-use crate::oracle::{OracleMap, beams_of, cells_of};
+use crate::oracle::{self, OracleMap, beams_of, cells_of};
 use crate::reading::Reading;
 use crate::scan::Scan;
 use crate::session::Session;
@@ -217,23 +218,26 @@ struct Seen {
     wedges: Option<Vec<Edges>>,
     /// For a method that takes scans.
     scans: Option<Vec<Scan>>,
+    /// For a method that takes updates.
+    updates: Vec<Update>,
 }
 
 impl Seen {
     fn of(session: &Session) -> Result<Seen> {
-        if session.method.unit() == Unit::Scan {
-            let scans = session.scans()?.collect::<Result<_>>()?;
-            return Ok(Seen { readings: Vec::new(), wedges: None, scans: Some(scans) });
+        let mut seen = Seen { readings: Vec::new(), wedges: None, scans: None, updates: Vec::new() };
+        match session.method.unit() {
+            Unit::Reading => (seen.readings, seen.wedges) = session.all()?,
+            Unit::Scan => seen.scans = Some(session.scans()?.collect::<Result<_>>()?),
+            Unit::Update => seen.updates = session.updates(usize::MAX)?.collect::<Result<_>>()?,
         }
-        let (readings, wedges) = session.all()?;
-        Ok(Seen { readings, wedges, scans: None })
+        Ok(seen)
     }
 }
 
 /// The last three readings that reached a cell, the last first.
 fn last_readings(
     session: &Session,
-    Seen { readings, wedges, scans }: &Seen,
+    Seen { readings, wedges, scans, updates }: &Seen,
     column: usize,
     row: usize,
 ) -> Result<Vec<LastReading>> {
@@ -250,6 +254,16 @@ fn last_readings(
     }
     let (x, y) = session.grid.centre(column, row);
     let mut last = Vec::new();
+    for update in updates.iter().rev() {
+        let Reading { record, range, .. } = update.reading;
+        if oracle::reaches(&session.grid, session.sensors(), update, (column, row))? {
+            let sensor = session.sensors()[record.sensor as usize].id.clone();
+            last.push(LastReading { line: record.line, sensor, range });
+            if last.len() == LAST {
+                break;
+            }
+        }
+    }
     for (k, reading) in readings.iter().enumerate().rev() {
         let sensor = &session.sensors()[reading.record.sensor as usize];
         let pose = reading.record.pose;

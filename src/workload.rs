@@ -1,8 +1,10 @@
 //! Synthetic logs for benchmarks and tests: random overlapping cones, the same on every machine.
 
+use crate::feature::{Fan, Part, Routine, Update};
 use crate::grid::GridSpec;
 use crate::reading::{Outcome, Pose, Reading, Record};
 use crate::sensor::{Kind, Sensor};
+use crate::world::plane::Point;
 use crate::world::random::Random;
 
 /// A log in memory: readings, their sensors, their grid.
@@ -60,6 +62,30 @@ pub fn standard(count: usize) -> Vec<Workload> {
         .iter()
         .map(|&(range, resolution)| cones(count, width, range, resolution, 1024, 1))
         .collect()
+}
+
+/// A workload's readings as if each came from one of two walls that meet on its axis, or from something before a free limit that
+/// goes up and down.
+pub fn walls(workload: &Workload) -> Vec<Update> {
+    let update = |(number, reading): (u64, &Reading)| {
+        let (pose, beta) = (reading.record.pose, workload.sensors[reading.record.sensor as usize].half_width);
+        let at = |turn: f64, d: f64| {
+            let bearing = pose.heading + turn;
+            (pose.x + d * bearing.cos(), pose.y + d * bearing.sin())
+        };
+        // To the right of the axis and, aslant, to its left.
+        let sides = [
+            [at(-beta, reading.range), at(0.0, reading.range)],
+            [at(0.0, reading.range), at(beta, 0.9 * reading.range)],
+        ];
+        let part =
+            |side: [Point; 2]| Part { weight: 0.35, free: Some(Fan { vertices: side.to_vec() }), occupied: vec![side] };
+        let limit = |k: u32| at(beta * (f64::from(k) / 8.0 - 1.0), reading.range * if k % 4 < 2 { 1.0 } else { 0.7 });
+        let limit = Some(Fan { vertices: (0..=16).map(limit).collect() });
+        let routine = Some(Routine { weight: 0.3, free: limit.clone(), arc: limit, occupies: true });
+        Update { reading: *reading, number, parts: sides.map(part).into(), routine }
+    };
+    (0..).zip(&workload.readings).map(update).collect()
 }
 
 /// Beams of a synthetic laser scan, over half a circle.

@@ -21,5 +21,7 @@ mod real_log;
 mod same_bytes;
 #[path = "kernels/scenes.rs"]
 mod scenes;
+#[path = "kernels/updates.rs"]
+mod updates;
 #[path = "kernels/vectors.rs"]
 mod vectors;

@@ -2,45 +2,11 @@
 
 const PLANES: u32 = 5u;
 
-// P(s|·) is kept between a floor and this: certainty would leave no way back.
-const MOST: f32 = 0.98;
-
-// The bits of a number's fraction.
-const MANTISSA: vec4<i32> = vec4<i32>(0x7fffff);
-
 // Two constants instead of Murphy's profile: the counts are all its state.
 override CONSTANT: bool = false;
 
-// The products of four cells' likelihoods.
-struct Cells {
-    // Π P(s|occupied).
-    occupied: vec4<f32>,
-    // Π P(s|empty).
-    empty: vec4<f32>,
-    // The power of two by which occupied over empty is to be multiplied.
-    scale: vec4<i32>,
-}
-
-// P(s|occupied) on the arc (region I), P(s|empty) in the interior (region II), by Murphy's profile.
-fn likelihood(near: vec4<f32>, arc: vec4<bool>) -> vec4<f32> {
-    let given = frame.constants[0];
-    let part = select(vec4<f32>(given.y), vec4<f32>(given.x), arc);
-    let least = select(vec4<f32>(given.w), vec4<f32>(given.z), arc);
-    return min(max(near * part, least), vec4<f32>(MOST));
-}
-
 fn member_row(cone: Cone, v: vec2<i32>) -> Row {
     return cone_row(cone, v);
-}
-
-fn load(at: u32) -> Cells {
-    return Cells(from_one(state[at]), from_one(state[at + 64u]), bitcast<vec4<i32>>(state[at + 128u]));
-}
-
-fn store(cells: Cells, at: u32) {
-    state[at] = to_one(cells.occupied);
-    state[at + 64u] = to_one(cells.empty);
-    state[at + 128u] = bitcast<vec4<u32>>(cells.scale);
 }
 
 fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {
@@ -54,14 +20,4 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
     let reached = row.interior | row.arc;
     (*cells).occupied = (*cells).occupied * select(one, select(other, p, row.arc), reached);
     (*cells).empty = (*cells).empty * select(one, select(p, other, row.arc), reached);
-}
-
-fn settle(cells: ptr<function, Cells>) {
-    let occupied = bitcast<vec4<i32>>((*cells).occupied);
-    let empty = bitcast<vec4<i32>>((*cells).empty);
-    let places = vec4<u32>(23u);
-    let one = vec4<i32>(i32(ONE_BITS));
-    (*cells).scale = (*cells).scale + (occupied >> places) - (empty >> places);
-    (*cells).occupied = bitcast<vec4<f32>>((occupied & MANTISSA) | one);
-    (*cells).empty = bitcast<vec4<f32>>((empty & MANTISSA) | one);
 }

@@ -192,7 +192,7 @@ fn idle(settings: &Settings, set: &[String]) -> Vec<(&'static str, &'static str)
         }
         Settings::Csm(c) if c.continuous && c.free == FreeRule::Clamp => &[("beta", SCANS), ("step", "free=clamp")],
         Settings::Csm(_) => &[("beta", SCANS)],
-        Settings::Certainty(_) => &[],
+        Settings::Certainty(_) | Settings::Features(_) => &[],
     };
     let given = |key: &str| set.iter().any(|text| text.split_once('=').is_some_and(|(k, _)| k == key));
     keys.iter().filter(|(key, _)| given(key)).copied().collect()

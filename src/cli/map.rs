@@ -158,6 +158,10 @@ impl Map {
                 "--working {n}: it draws one reading's cone, and {} takes a beam of each of a cell's nearest poses: leave it out",
                 method::name(session.method.as_ref())
             ))),
+            Some(n) if session.method.unit() == Unit::Update => Err(Error::Usage(format!(
+                "--working {n}: it draws one reading's cone, and {} updates what the feature it came from says: leave it out",
+                method::name(session.method.as_ref())
+            ))),
             Some(n) if n > used => Err(Error::Usage(format!("--working {n}: there are {used} used readings"))),
             _ => Ok(()),
         }

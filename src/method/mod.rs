@@ -8,7 +8,9 @@ pub mod bayes;
 pub mod certainty;
 pub mod csm;
 pub mod dempster_shafer;
+pub mod features;
 pub mod himm;
+pub mod odds;
 pub mod settings;
 pub mod truth;
 
@@ -76,6 +78,8 @@ pub enum Unit {
     Reading,
     /// A scan: each cell takes one beam of it.
     Scan,
+    /// An update that features made of a reading.
+    Update,
 }
 
 /// A method with its parameters set.
@@ -207,6 +211,7 @@ pub const REGISTRY: &[Entry] = &[
     csm::CONTINUOUS,
     csm::SEMANTIC_DISCRETE,
     csm::SEMANTIC_CONTINUOUS,
+    features::ENTRY,
 ];
 
 /// The registry's line of that name; the error names the nearest.

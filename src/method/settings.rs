@@ -1,8 +1,10 @@
 //! The parameters of every method, with their defaults; `--set key=value` changes them.
 
 mod csm;
+mod features;
 
 pub use csm::{Csm, FreeRule};
+pub use features::Features;
 
 use crate::{Error, Result};
 
@@ -130,6 +132,8 @@ pub enum Settings {
     Truth,
     /// A counting sensor model.
     Csm(Csm),
+    /// Feature-based occupancy grid.
+    Features(Features),
 }
 
 /// A parameter's documentation: key, values, default and meaning, for help and errors.
@@ -183,6 +187,7 @@ impl Settings {
             "csm-continuous" => Settings::Csm(Csm::of(true, false)),
             "csm-semantic-discrete" => Settings::Csm(Csm::of(false, true)),
             "csm-semantic-continuous" => Settings::Csm(Csm::of(true, true)),
+            "features" => Settings::Features(Features::default()),
             _ => return None,
         })
     }
@@ -196,6 +201,7 @@ impl Settings {
             Settings::Himm(_) => HIMM,
             Settings::Truth => &[],
             Settings::Csm(c) => c.keys(),
+            Settings::Features(_) => features::KEYS,
         }
     }
 
@@ -228,6 +234,7 @@ impl Settings {
             Settings::Himm(h) => h.gro = choice(["false", "true"])? == 1,
             Settings::Truth => return Ok(false),
             Settings::Csm(c) => c.set(key, value)?,
+            Settings::Features(f) => f.set(key, value)?,
         }
         Ok(true)
     }
@@ -254,6 +261,7 @@ impl Settings {
             Settings::Himm(h) => vec![h.gro.to_string()],
             Settings::Truth => Vec::new(),
             Settings::Csm(c) => c.values(),
+            Settings::Features(f) => f.values(),
         };
         self.keys().iter().map(|k| k.name).zip(texts).collect()
     }

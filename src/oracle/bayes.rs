@@ -63,41 +63,63 @@ pub(super) fn recursion(before: f64, given_occupied: f64) -> f64 {
     occupied / (occupied + (1.0 - given_occupied) * (1.0 - before))
 }
 
-/// Layers log_odds, p_occ, p_emp and the classes.
+/// Each cell's log odds under way, and their error.
+pub(super) struct Odds {
+    odds: Vec<f64>,
+    error: Vec<f64>,
+}
+
+impl Odds {
+    pub fn new(cells: usize) -> Odds {
+        Odds { odds: vec![0.0; cells], error: vec![0.0; cells] }
+    }
+
+    /// One more P(occupied) of a cell.
+    pub fn add(&mut self, settings: &Bayes, index: usize, p: Approx) {
+        let add = logit(settings, p);
+        if add.value == 0.0 && add.bound == 0.0 {
+            return;
+        }
+        let sum = self.odds[index] + add.value;
+        // a kernel's products round relatively, however large the odds; this sum rounds too
+        self.error[index] += add.bound + 1e-15 * (1.0 + sum.abs());
+        self.odds[index] = sum;
+    }
+
+    /// Layers log_odds, p_occ, p_emp and the classes.
+    pub fn finish(self, settings: &Bayes, tally: &Tally) -> Finished {
+        let Odds { odds, error } = self;
+        let count = odds.len();
+        let p_occ: Vec<f64> = odds.iter().map(|l| 1.0 / (1.0 + (-l).exp())).collect();
+        let p_emp = odds.iter().map(|l| 1.0 / (1.0 + l.exp())).collect();
+        let p_bound: Vec<f64> = error.iter().map(|e| 0.25 * e + 2.0 * U).collect();
+        let (mut class, mut ambiguous) = (vec![0; count], vec![false; count]);
+        for k in (0..count).filter(|&k| tally.is_touched(k)) {
+            let p = p_occ[k];
+            class[k] = i8::from(p > settings.p_occupied) - i8::from(p < settings.p_empty);
+            let near = |threshold: f64| (p - threshold).abs() <= p_bound[k];
+            ambiguous[k] = near(settings.p_occupied) || near(settings.p_empty);
+        }
+        let odds_bound = error.iter().zip(&odds).map(|(e, l)| e + U * l.abs()).collect();
+        let layer = |name, values, bound| OracleLayer { name, values, bound };
+        let layers = vec![
+            layer("log_odds", odds, odds_bound),
+            layer("p_occ", p_occ, p_bound.clone()),
+            layer("p_emp", p_emp, p_bound),
+        ];
+        Finished { layers, class, ambiguous }
+    }
+}
+
+/// The map of some cones.
 pub(super) fn map(grid: &GridSpec, cones: &[Cone], settings: &Bayes, tally: &mut Tally) -> Finished {
-    let count = grid.cells();
-    let (mut odds, mut error) = (vec![0.0f64; count], vec![0.0; count]);
-    let mut cells = Vec::new();
+    let (mut odds, mut cells) = (Odds::new(grid.cells()), Vec::new());
     for cone in cones {
         let n = cone.cells(grid, &mut cells);
         tally.add(cone, &cells, n);
         for cell in &cells {
-            let add = logit(settings, likelihood(settings, cone, cell.region, cone.polar(cell.v)));
-            if add.value == 0.0 && add.bound == 0.0 {
-                continue;
-            }
-            let sum = odds[cell.index] + add.value;
-            // a kernel's products round relatively, however large the odds; this sum rounds too
-            error[cell.index] += add.bound + 1e-15 * (1.0 + sum.abs());
-            odds[cell.index] = sum;
+            odds.add(settings, cell.index, likelihood(settings, cone, cell.region, cone.polar(cell.v)));
         }
     }
-    let p_occ: Vec<f64> = odds.iter().map(|l| 1.0 / (1.0 + (-l).exp())).collect();
-    let p_emp = odds.iter().map(|l| 1.0 / (1.0 + l.exp())).collect();
-    let p_bound: Vec<f64> = error.iter().map(|e| 0.25 * e + 2.0 * U).collect();
-    let (mut class, mut ambiguous) = (vec![0; count], vec![false; count]);
-    for k in (0..count).filter(|&k| tally.is_touched(k)) {
-        let p = p_occ[k];
-        class[k] = i8::from(p > settings.p_occupied) - i8::from(p < settings.p_empty);
-        let near = |threshold: f64| (p - threshold).abs() <= p_bound[k];
-        ambiguous[k] = near(settings.p_occupied) || near(settings.p_empty);
-    }
-    let odds_bound = error.iter().zip(&odds).map(|(e, l)| e + U * l.abs()).collect();
-    let layer = |name, values, bound| OracleLayer { name, values, bound };
-    let layers = vec![
-        layer("log_odds", odds, odds_bound),
-        layer("p_occ", p_occ, p_bound.clone()),
-        layer("p_emp", p_emp, p_bound),
-    ];
-    Finished { layers, class, ambiguous }
+    odds.finish(settings, tally)
 }

@@ -240,6 +240,11 @@ impl Cone {
         arc
     }
 
+    /// How far it reaches, units.
+    pub fn outer(&self) -> i64 {
+        self.outer
+    }
+
     /// Distance in metres and off-axis angle in radians of a cell, for the profiles.
     pub fn polar(&self, v: Vector) -> (f64, f64) {
         let d = (dot(v, v) as f64).sqrt() * self.unit;

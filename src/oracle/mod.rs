@@ -9,6 +9,7 @@ mod certainty;
 mod cone;
 mod csm;
 mod dempster_shafer;
+mod features;
 mod himm;
 mod truth;
 mod working;
@@ -23,6 +24,7 @@ mod real_log;
 mod vectors;
 
 pub use csm::{beams_of, map_scans};
+pub use features::{map_updates, reaches};
 pub use working::{Working, WorkingCell, working};
 
 use crate::grid::GridSpec;
@@ -164,7 +166,7 @@ pub fn map(
 ) -> Result<OracleMap> {
     let cones = cones(grid, sensors, readings, settings, wedges)?;
     let mut tally = Tally::new(grid.cells());
-    let Finished { layers, class, ambiguous } = match settings {
+    let finished = match settings {
         Settings::Certainty(s) => certainty::map(grid, &cones, s, &mut tally),
         Settings::DempsterShafer(s) => dempster_shafer::map(grid, &cones, s, &mut tally),
         Settings::Bayes(s) => bayes::map(grid, &cones, s, &mut tally),
@@ -173,26 +175,33 @@ pub fn map(
         Settings::Csm(_) => {
             return Err(Error::Usage("a counting sensor model takes scans: see map_scans".into()));
         }
+        Settings::Features(_) => {
+            return Err(Error::Usage("the feature-based grid takes updates: see map_updates".into()));
+        }
     };
+    Ok(assemble(grid, finished, tally, Vec::new()))
+}
+
+/// A method's map and who reached which cell; `marks`, where it has them.
+fn assemble(grid: &GridSpec, finished: Finished, tally: Tally, marks: Vec<u32>) -> OracleMap {
     let touched = (0..grid.cells()).filter(|&k| tally.is_touched(k)).count() as u64;
+    let Finished { layers, class, ambiguous } = finished;
     let Tally { interior, arc, updates, outside, empty_arc, wide } = tally;
-    let grid = *grid;
-    let (marks, gains) = (Vec::new(), Vec::new());
-    Ok(OracleMap {
-        grid,
+    OracleMap {
+        grid: *grid,
         layers,
         class,
         ambiguous,
         interior,
         arc,
         marks,
-        gains,
+        gains: Vec::new(),
         touched,
         updates,
         outside,
         empty_arc,
         wide,
-    })
+    }
 }
 
 /// The cells of the grid that one reading updates, by the method of `settings`. `wedge`: see [`map`].

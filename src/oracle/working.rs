@@ -77,6 +77,6 @@ fn own(cone: &Cone, settings: &Settings, update: &CellUpdate, n: usize) -> f64 {
         (Settings::Bayes(s), _) => bayes::likelihood(s, cone, region, (d, theta)).value,
         (Settings::Himm(_), Region::Interior) => -1.0,
         (Settings::Himm(_), Region::Arc) => 3.0,
-        (Settings::Truth | Settings::Csm(_), _) => 1.0,
+        (Settings::Truth | Settings::Csm(_) | Settings::Features(_), _) => 1.0,
     }
 }

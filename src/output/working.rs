@@ -209,7 +209,7 @@ fn own_is(settings: &Settings) -> &'static str {
         Settings::DempsterShafer(_) => "mass: of empty in the interior, of full on the arc",
         Settings::Bayes(_) => "P(s|occupied)",
         Settings::Himm(_) => "step of the count: -1 before the hit, +3 at it",
-        Settings::Truth | Settings::Csm(_) => "count: 1 pass in the interior, 1 hit on the arc",
+        Settings::Truth | Settings::Csm(_) | Settings::Features(_) => "count: 1 pass in the interior, 1 hit on the arc",
     }
 }
 

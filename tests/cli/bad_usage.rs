@@ -27,7 +27,7 @@ fn mistyped(more: &[&str], message: &str) {
 #[test]
 fn methods() {
     let there_are = "there are certainty, dempster-shafer, bayes, himm, truth, csm-discrete, csm-continuous, \
-                     csm-semantic-discrete, csm-semantic-continuous";
+                     csm-semantic-discrete, csm-semantic-continuous, features";
     refused(&["-m", "baye"], &format!("there is no method \"baye\"; did you mean \"bayes\"? {there_are}"));
     refused(
         &["-m", "demster"],
@@ -142,6 +142,25 @@ fn counts_and_sizes() {
         &["map", "log.jsonl", "-o", "out", "--until", "2", "--working", "3"],
         2,
         "echogrid: --working 3: there are 2 used readings",
+    );
+}
+
+#[test]
+fn what_features_cannot_take() {
+    refused(
+        &["-m", "features", "-r", "0.005"],
+        "sensor front: r_max is 4 m, more than the 512 cells of 0.005 m that method features takes: give a coarser \
+         --resolution or a smaller --set r_max",
+    );
+    refused(
+        &["-m", "features", "--sensor", "laser"],
+        "method features tells what a sonar's readings came from: leave out --sensor laser",
+    );
+    Place::new().refuses(
+        &["map", "log.jsonl", "-o", "out", "-m", "features", "--working", "1"],
+        2,
+        "echogrid: --working 1: it draws one reading's cone, and features updates what the feature it came from says: leave \
+         it out",
     );
 }
 

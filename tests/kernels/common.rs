@@ -1,6 +1,7 @@
 //! Running a scene on a backend, holding the result against the oracle, and what a failure leaves behind.
 
 use echogrid::compare::{self, compare, write_pictures};
+use echogrid::feature::Update;
 use echogrid::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
@@ -9,11 +10,12 @@ use echogrid::kernels::gpu::{Gpu, Options};
 use echogrid::layers;
 use echogrid::mapper::{BATCH, Finished, Item, Mapper, Visits, Work};
 use echogrid::method::settings::{Csm, Settings};
-use echogrid::method::{self, Method, Step};
+use echogrid::method::{self, Method, Step, Unit};
 use echogrid::oracle::{self, OracleMap};
 use echogrid::reading::{Counts, Reading};
 use echogrid::scan::{Scan, Scans};
 use echogrid::sensor::Sensor;
+use echogrid::update;
 use echogrid::whole::Scanned;
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -27,6 +29,8 @@ pub struct Scene {
     pub grid: GridSpec,
     pub sensors: Vec<Sensor>,
     pub items: Vec<Item>,
+    /// What features made of the items, one of each; none: updates of which no feature is known.
+    pub updates: Vec<Update>,
 }
 
 /// What a backend made of a scene.
@@ -49,6 +53,28 @@ impl Scene {
         Scans::new(records, &self.sensors, labels, u64::MAX, Path::new("scene")).collect::<Result<_, _>>().unwrap()
     }
 
+    /// Only its first items.
+    pub fn truncate(&mut self, count: usize) {
+        self.items.truncate(count);
+        self.updates.truncate(count);
+    }
+
+    /// The updates of its items.
+    pub fn updates(&self) -> Vec<Update> {
+        match self.updates.is_empty() {
+            true => (0..).zip(&self.items).map(|(k, item)| update::plain(k, item.0)).collect(),
+            false => self.updates.clone(),
+        }
+    }
+
+    fn update(&self, method: &dyn Method, backend: &mut dyn Backend, batch: usize) -> Run {
+        let updates = self.updates().into_iter().map(Ok);
+        let (counts, work) =
+            update::apply(&self.grid, &self.sensors, method, backend, batch, updates, &|_| {}).unwrap();
+        let Finished { map, visits, .. } = layers::from_chunks(&self.grid, method, &backend.finish(method).unwrap());
+        Run { map, visits, counts, work }
+    }
+
     fn count(&self, csm: Csm, method: &dyn Method, backend: &mut dyn Backend, batch: usize) -> Run {
         let (scans, here) = (self.scans(&csm), std::env::temp_dir());
         // So little memory that beams are spilled with small batches.
@@ -63,6 +89,9 @@ impl Scene {
     pub fn run(&self, method: &dyn Method, backend: &mut dyn Backend, batch: usize) -> Run {
         if let Settings::Csm(csm) = method.settings() {
             return self.count(csm, method, backend, batch);
+        }
+        if method.unit() == Unit::Update {
+            return self.update(method, backend, batch);
         }
         let mut mapper = Mapper::new(self.grid, &self.sensors, method, backend, batch);
         // Wedges are for the laser truth alone.
@@ -92,6 +121,10 @@ impl Scene {
         if let Settings::Csm(csm) = settings {
             return oracle::map_scans(&self.grid, &self.scans(&csm), &csm);
         }
+        if let Settings::Features(_) = settings {
+            return oracle::map_updates(&self.grid, &self.sensors, self.updates().into_iter().map(Ok), &settings)
+                .unwrap();
+        }
         let wedges: Option<Vec<(f64, f64)>> = self.items.iter().map(|(_, edges)| *edges).collect();
         let wedges = wedges.filter(|_| settings == Settings::Truth);
         oracle::map(&self.grid, &self.sensors, &self.readings(), &settings, wedges.as_deref()).unwrap()
@@ -119,6 +152,7 @@ pub fn every_settings() -> Vec<(&'static str, Settings)> {
         ("himm", with("himm", &[])),
         ("himm-gro", with("himm", &[("gro", "true")])),
         ("truth", Settings::Truth),
+        ("features", with("features", &[])),
     ]
     .into_iter()
     .chain(scan_settings())
@@ -159,7 +193,10 @@ pub fn scan_settings() -> Vec<(&'static str, Settings)> {
 
 /// Those for scenes without wedges.
 pub fn cone_settings() -> Vec<(&'static str, Settings)> {
-    every_settings().into_iter().filter(|(_, s)| !matches!(s, Settings::Truth | Settings::Csm(_))).collect()
+    every_settings()
+        .into_iter()
+        .filter(|(_, s)| !matches!(s, Settings::Truth | Settings::Csm(_) | Settings::Features(_)))
+        .collect()
 }
 
 pub fn settings(name: &str) -> Settings {

@@ -88,6 +88,7 @@ fn by_hand(scans: &[Vec<Item>]) -> Scene {
         grid: bounds([0.0, 0.0, 2.0, 0.9], 0.1),
         sensors: vec![sensor],
         items: scans.concat(),
+        updates: Vec::new(),
     }
 }
 

@@ -26,11 +26,12 @@ const ALL: &[&str] = &["certainty", "certainty-batch", "dempster-shafer", "bayes
 
 fn few() -> Scene {
     let mut scene = scenes::ragged();
-    scene.items.truncate(400);
+    scene.truncate(400);
     scene
 }
 
 const SCANS: &[&str] = &["csm-discrete-all", "csm-continuous", "csm-semantic-continuous"];
+const UPDATES: &[&str] = &["features"];
 const NEAREST: &[&str] = &["csm-discrete", "csm-continuous", "csm-semantic-continuous"];
 
 const FAULTS: &[Fault] = &[
@@ -449,6 +450,160 @@ const FAULTS: &[Fault] = &[
         to: "wide_mul(frame.limits.y + 2000, frame.limits.y)",
         methods: &["csm-continuous", "csm-continuous-sample", "csm-semantic-continuous"],
         scene: scenes::scans,
+    },
+    Fault {
+        what: "a fan without its right ray",
+        from: "(left >= zero)",
+        to: "(left > zero)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "a fan without its left ray",
+        from: "select(-1, 0, k + 1u == fan.y)",
+        to: "-1",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "rays between triangles belong to both",
+        from: "select(-1, 0, k + 1u == fan.y)",
+        to: "0",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "a fan without its far side",
+        from: "(right - left + area >= zero)",
+        to: "(right - left + area > zero)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "triangles without an area",
+        from: "vec4<bool>(area > 0)",
+        to: "vec4<bool>(area >= 0)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "a fan's last triangle is left out",
+        from: "k < fan.y; k++",
+        to: "k + 1u < fan.y; k++",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "a tile that a fan meets lies in it",
+        from: "(slot & (FULL << k)) != 0u",
+        to: "(slot & (FAN << k)) != 0u",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "a line is a unit thinner",
+        from: "CELL / 2 * (abs(d.x) + abs(d.y))",
+        to: "CELL / 2 * (abs(d.x) + abs(d.y)) - max(abs(d.x), abs(d.y))",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "a line ends before its end",
+        from: "(along <= vec4<i32>(",
+        to: "(along < vec4<i32>(",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "a point is a unit smaller",
+        from: "const SPOT: i32 = 24;",
+        to: "const SPOT: i32 = 23;",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "the last line is left out",
+        from: "k < ends.y; k += 2u",
+        to: "k + 2u < ends.y; k += 2u",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "either part occupies the first's lines",
+        from: "part(1u, update.lines[1], update.fans[1], slot, v)",
+        to: "part(1u, update.lines[0], update.fans[1], slot, v)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "what is free is not occupied",
+        from: "select(select(none, vec4<u32>(FREED << (2u * k)), freed), vec4<u32>(OCCUPIED << (2u * k)), occupied)",
+        to: "select(select(none, vec4<u32>(OCCUPIED << (2u * k)), occupied), vec4<u32>(FREED << (2u * k)), freed)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "what is freed has no limit",
+        from: "(update.flags & FREE_LIMIT) != 0u",
+        to: "false",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "what is occupied is limited as what is freed",
+        from: "fan(update.fans[3], 3u, slot, v)",
+        to: "fan(update.fans[2], 2u, slot, v)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "the parts' weights are swapped",
+        from: "lean(vec4<f32>(weights.x), code, 0u)",
+        to: "lean(vec4<f32>(weights.y), code, 0u)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "the routine part has no weight",
+        from: "lean((p - 0.5) * weights.z, code, 2u)",
+        to: "lean(p - 0.5, code, 2u)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "freed as if occupied",
+        from: "select(none, none - weight, freed)",
+        to: "select(none, weight, freed)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "updates are marked as the next",
+        from: "mark(update.number, said_0.code)",
+        to: "mark(update.number + 1u, said_0.code)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "freed and occupied are counted alike",
+        from: "select(none, one, member_0 & !on_arc_0)",
+        to: "select(none, one, member_0)",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "a tile's last update is dropped",
+        from: "k < tile.entries.y; k++",
+        to: "k + 1u < tile.entries.y; k++",
+        methods: UPDATES,
+        scene: scenes::updates,
+    },
+    Fault {
+        what: "neighbouring tiles are swapped",
+        from: "let at = tile.slot * PLANES * 64u + lane;",
+        to: "let at = (tile.slot ^ 1u) * PLANES * 64u + lane;",
+        methods: UPDATES,
+        scene: scenes::updates,
     },
 ];
 

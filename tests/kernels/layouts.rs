@@ -44,6 +44,7 @@ fn rust_shapes() -> BTreeMap<String, Shape> {
         shape!(Entry: cone slot),
         shape!(Scan: pose first count number pad),
         shape!(Beam: bound ray range id),
+        shape!(Shapes: fans lines weights number flags room),
     ])
 }
 
@@ -95,7 +96,7 @@ fn element_types_agree() {
             checked += 1;
         }
     }
-    assert_eq!(checked, 29);
+    assert_eq!(checked, 35);
 }
 
 /// The value of every `const` of a module that is a plain number.
@@ -130,6 +131,12 @@ fn constants_agree() {
             ("IDLE", number(IDLE)),
             ("YIELD", number(YIELD)),
             ("BEAM_SHIFT", number(BEAM_SHIFT)),
+            ("FAN", number(FAN)),
+            ("FULL", number(FULL)),
+            ("LINES", number(LINES)),
+            ("ROUTINE", number(ROUTINE)),
+            ("FREE_LIMIT", number(FREE_LIMIT)),
+            ("ARC_LIMIT", number(ARC_LIMIT)),
             ("FREE", number(FREE)),
             ("OCCUPY", number(OCCUPY)),
             ("COUNT", number(COUNT)),
@@ -165,7 +172,7 @@ fn every_kernel_parses_and_validates() {
             let threads = match (kernel, method.unit()) {
                 (Kernel::Sum, _) => 64,
                 (_, Unit::Scan) => TILE_CELLS as u32,
-                (_, Unit::Reading) => TILE_CELLS as u32 / (4 * groups),
+                (_, Unit::Reading | Unit::Update) => TILE_CELLS as u32 / (4 * groups),
             };
             assert_eq!(entry, [(kernel.name(), [threads, 1, 1])], "{what}");
             if kernel != Kernel::Sum {
@@ -256,9 +263,10 @@ fn twins_name_each_other() {
             }
         }
     }
-    // Each method's half, and layout, cone, wide, int64, narrow, profile, order, tile, scan, and what passes bind.
+    // Each method's half, odds, and layout, cone, wide, int64, narrow, profile, order, region, tile, scan, update, and what
+    // passes bind.
     let halves: BTreeSet<String> = method::REGISTRY.iter().map(half).collect();
-    assert_eq!(twins, halves.len() + 11);
+    assert_eq!(twins, halves.len() + 15);
     for half in halves {
         assert!(shaders.iter().any(|s| relative(s) == format!("shaders/method/{half}.wgsl")), "{half}");
     }
@@ -274,6 +282,7 @@ fn a_whole_dispatch_on_the_noop_backend() {
         let scene = match name {
             "truth" => scenes::wide_fans(),
             _ if method.unit() == Unit::Scan => scenes::scans(),
+            _ if method.unit() == Unit::Update => scenes::updates(),
             _ => scenes::wide(),
         };
         let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());

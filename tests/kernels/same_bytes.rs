@@ -14,13 +14,14 @@ fn log(settings: Settings) -> Scene {
     match settings {
         Settings::Truth => return scenes::fans(),
         Settings::Csm(_) => return scenes::scans(),
+        Settings::Features(_) => return scenes::updates(),
         _ => {}
     }
     scenes::real("sonar_ring_8/test1", 0.1, false).unwrap_or_else(scenes::ragged)
 }
 
 fn first(mut scene: Scene, readings: usize) -> Scene {
-    scene.items.truncate(readings);
+    scene.truncate(readings);
     scene
 }
 

@@ -1,6 +1,7 @@
 //! Scenes: real logs, and made-up readings that go where real ones rarely do. All are the same at every run.
 
 use crate::common::{Scene, data};
+use echogrid::feature::{Fan, Part, Routine, Update};
 use echogrid::grid::GridSpec;
 use echogrid::log::{Log, Options};
 use echogrid::mapper::Item;
@@ -8,6 +9,7 @@ use echogrid::reading::{Outcome, Pose, Reading, Record, judge};
 use echogrid::sensor::{Kind, Sensor};
 use echogrid::snap::Edges;
 use echogrid::wedge;
+use echogrid::world::plane::Point;
 
 /// xorshift64*: the same numbers everywhere.
 pub struct Random(u64);
@@ -62,7 +64,13 @@ pub fn reading(sensor: usize, pose: (f64, f64, f64), range: f64, outcome: Outcom
 }
 
 pub fn scene(name: &str, grid: GridSpec, sensors: Vec<Sensor>, readings: Vec<Reading>) -> Scene {
-    Scene { name: name.into(), grid, sensors, items: readings.into_iter().map(|r| (r, None)).collect() }
+    Scene {
+        name: name.into(),
+        grid,
+        sensors,
+        items: readings.into_iter().map(|r| (r, None)).collect(),
+        updates: Vec::new(),
+    }
 }
 
 pub fn bounds(bounds: [f64; 4], resolution: f64) -> GridSpec {
@@ -220,7 +228,7 @@ pub fn fans() -> Scene {
             items.push((reading(0, (x, y, h), z, Outcome::Hit), Some((h + 0.5 * step, h - 0.5 * step))));
         }
     }
-    Scene { name: "fans".into(), grid: bounds([0.0, 0.0, 6.1, 5.9], 0.05), sensors, items }
+    Scene { name: "fans".into(), grid: bounds([0.0, 0.0, 6.1, 5.9], 0.05), sensors, items, updates: Vec::new() }
 }
 
 /// Beams of 40 m in wedges, over a small grid: the laser truth in 64 bits.
@@ -285,7 +293,7 @@ pub fn real_lasers(step: u64) -> Option<Scene> {
     assert!(items.len() > 1000);
     let readings: Vec<Reading> = items.iter().map(|i| i.0).collect();
     let grid = around(&sensors, &readings, 0.05);
-    Some(Scene { name: "sonar_ring_8-test1 laser".into(), grid, sensors, items })
+    Some(Scene { name: "sonar_ring_8-test1 laser".into(), grid, sensors, items, updates: Vec::new() })
 }
 
 /// Scans of labelled beams that go where real ones rarely do: poses on a lattice, so that many are as near as others, some at one
@@ -334,5 +342,130 @@ pub fn scans() -> Scene {
             items.push((Reading { record, outcome: Outcome::Hit, range }, None));
         }
     }
-    Scene { name: "scans".into(), grid, sensors, items }
+    Scene { name: "scans".into(), grid, sensors, items, updates: Vec::new() }
+}
+
+/// Updates of every shape: fans of many triangles and of none, clockwise, of vertices on the sensor or behind one another, up to
+/// 170° wide; lines along the axes and aslant, and points; limits to either side of the routine part, or none of it; half of all
+/// on a lattice of half cells, so that cells lie exactly on edges; sensors in the grid, about it and far from it.
+pub fn updates() -> Scene {
+    let sensors = vec![sonar(15.0, 0.17, 5.0), sonar(40.0, 0.1, 2.0), sonar(5.0, 0.2, 4.0)];
+    let grid = GridSpec { anchor: (0.0, 0.0), resolution: 0.1, i0: -31, j0: -27, width: 83, height: 61 };
+    updates_on("updates", 11, 1200, grid, sensors)
+}
+
+/// The same on any grid.
+pub fn updates_on(name: &str, seed: u64, count: u64, grid: GridSpec, sensors: Vec<Sensor>) -> Scene {
+    let mut made = Made { random: Random::new(seed), half: grid.resolution / 2.0, lattice: false };
+    let (x0, y0) = (grid.x0(), grid.y0());
+    let [width, height] = [grid.width, grid.height].map(|n| n as f64 * grid.resolution);
+    let (mut items, mut updates) = (Vec::new(), Vec::new());
+    for number in 0..count {
+        made.lattice = made.random.below(2) == 0;
+        let far = if made.random.below(20) == 0 { 9.0 } else { 1.5 };
+        let x = made.random.within(x0 - far, x0 + width + far);
+        let y = made.random.within(y0 - far, y0 + height + far);
+        let at = made.snap((x, y));
+        let heading = made.bearing();
+        let k = made.random.below(sensors.len() as u32) as usize;
+        let range = made.random.within(0.0, sensors[k].r_max);
+        let outcome = if made.random.below(6) == 0 { Outcome::NoEcho } else { Outcome::Hit };
+        let mut reading = reading(k, (at.0, at.1, heading), range, outcome);
+        (reading.record.line, reading.record.scan) = (number + 1, number);
+        updates.push(made.update(reading, number));
+        items.push((reading, None));
+    }
+    Scene { name: name.into(), grid, sensors, items, updates }
+}
+
+/// Random updates under way.
+struct Made {
+    random: Random,
+    /// Half a cell.
+    half: f64,
+    lattice: bool,
+}
+
+impl Made {
+    fn snap(&self, (x, y): Point) -> Point {
+        let near = |v: f64| (v / self.half).round() * self.half;
+        if self.lattice { (near(x), near(y)) } else { (x, y) }
+    }
+
+    fn bearing(&mut self) -> f64 {
+        match self.random.below(4) {
+            0 => std::f64::consts::FRAC_PI_4 * f64::from(self.random.below(8)),
+            _ => self.random.within(-3.2, 3.2),
+        }
+    }
+
+    /// A point that far at most from a sensor, in that direction.
+    fn point(&mut self, sensor: Point, bearing: f64, most: f64) -> Point {
+        let d = self.random.within(0.0, most);
+        self.snap((sensor.0 + d * bearing.cos(), sensor.1 + d * bearing.sin()))
+    }
+
+    fn fan(&mut self, sensor: Point, heading: f64, most: f64) -> Fan {
+        let count = [0, 1, 2, 2, 2, 3, 4, 7, 20][self.random.below(9) as usize];
+        let wide = [0.1, 0.5, 0.5, 1.0, 2.9][self.random.below(5) as usize];
+        let mut vertices = Vec::new();
+        let mut bearing = heading - wide / 2.0;
+        for _ in 0..count {
+            vertices.push(match self.random.below(12) {
+                0 => sensor,
+                _ => self.point(sensor, bearing, most),
+            });
+            // Now and then two behind one another.
+            if self.random.below(4) > 0 {
+                bearing += wide / f64::from(count);
+            }
+        }
+        if self.random.below(15) == 0 {
+            vertices.reverse();
+        }
+        Fan { vertices }
+    }
+
+    fn lines(&mut self, sensor: Point, heading: f64, most: f64) -> Vec<[Point; 2]> {
+        let count = self.random.below(4);
+        let line = |_| {
+            let turn = self.random.within(-0.6, 0.6);
+            let a = self.point(sensor, heading + turn, most);
+            let along = self.random.within(0.0, 1.5);
+            let b = match self.random.below(5) {
+                0 => a,
+                1 => (a.0 + along, a.1),
+                2 => (a.0, a.1 - along),
+                3 => (a.0 + along, a.1 + along),
+                _ => self.point(sensor, heading - turn, most),
+            };
+            [a, self.snap(b)]
+        };
+        (0..count).map(line).collect()
+    }
+
+    fn update(&mut self, reading: Reading, number: u64) -> Update {
+        let pose = reading.record.pose;
+        let (sensor, most) = ((pose.x, pose.y), 3.5);
+        let count = self.random.below(3);
+        let mut parts: Vec<Part> = Vec::new();
+        for _ in 0..count {
+            let free = (self.random.below(5) > 0).then(|| self.fan(sensor, pose.heading, most));
+            let occupied = self.lines(sensor, pose.heading, most);
+            parts.push(Part { weight: self.random.within(0.0, 1.0), free, occupied });
+        }
+        let limit = |made: &mut Made| (made.random.below(2) == 0).then(|| made.fan(sensor, pose.heading, most));
+        let weight = if count == 0 { 1.0 } else { self.random.within(0.0, 1.0) };
+        let occupies = self.random.below(5) > 0;
+        let routine = (count == 0 || self.random.below(4) > 0).then(|| Routine {
+            weight,
+            free: limit(self),
+            arc: limit(self),
+            occupies,
+        });
+        let sum = parts.iter().map(|p| p.weight).sum::<f64>() + routine.as_ref().map_or(0.0, |r| r.weight);
+        parts.iter_mut().for_each(|p| p.weight /= sum);
+        let routine = routine.map(|r| Routine { weight: r.weight / sum, ..r });
+        Update { reading, number, parts, routine }
+    }
 }

@@ -3,10 +3,12 @@
 mod gro;
 mod reach;
 mod scan;
+mod update;
 mod walk;
 
 pub use reach::Reached;
 pub use scan::walk_scans;
+pub use update::{Regions, regions, walk_updates};
 pub use walk::{Job, Kernel, Plane, walk};
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
@@ -189,8 +191,12 @@ fn run(
     }
     work.into_par_iter().for_each(|(tile, cells)| {
         let entries = &list.entries[tile.entries[0] as usize..tile.entries[1] as usize];
-        let Batch { cones, scans, beams, centres, .. } = batch;
-        method.run(pass, &Job { frame, cones, tile, entries, parts, shares, scans, beams, centres }, cells);
+        let Batch { cones, scans, beams, centres, shapes, points, .. } = batch;
+        method.run(
+            pass,
+            &Job { frame, cones, tile, entries, parts, shares, scans, beams, centres, shapes, points },
+            cells,
+        );
     });
 }
 

@@ -27,6 +27,10 @@ pub struct Job<'a> {
     pub beams: &'a [Beam],
     /// … and the centres of the chunk's columns and rows.
     pub centres: &'a [i32],
+    /// For methods that take updates what they do beside their cones, …
+    pub shapes: &'a [Shapes],
+    /// … and their points.
+    pub points: &'a [[i32; 2]],
 }
 
 /// A method's CPU half: the state of a row of cells, and what a reading does to it.
@@ -141,7 +145,7 @@ fn update<S: Simd, K: Kernel, const ARCS: bool>(
 }
 
 #[inline(always)]
-fn count_row<S: Simd>(simd: S, region: mask32x16<S>, counts: &mut [u32; TILE]) {
+pub(super) fn count_row<S: Simd>(simd: S, region: mask32x16<S>, counts: &mut [u32; TILE]) {
     let count = u32x16::load_array(simd, *counts);
     region.select(count + 1, count).store_array(counts);
 }

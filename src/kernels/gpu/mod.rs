@@ -10,7 +10,7 @@ pub mod shader;
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
 use crate::batch::{Batch, ChunkList};
 use crate::layout::{CHUNK, Cone, Entry, Frame, Tile};
-use crate::method::{self, Method, Step};
+use crate::method::{self, Method, Step, Unit};
 use crate::{Error, Result};
 use adapter::Found;
 use device::Device;
@@ -58,7 +58,8 @@ struct ChunkBuffers {
     cells: (u64, u64),
 }
 
-/// A batch's buffers; of scans where a method takes them: the scans themselves, the centres of the cells, the beams.
+/// A batch's buffers. Of scans, where a method takes them: the scans themselves, for shares the centres of the cells, for first parts
+/// the beams; of updates for shares their shapes, for first parts their points.
 struct BatchBuffers {
     cones: wgpu::Buffer,
     parts: wgpu::Buffer,
@@ -108,18 +109,20 @@ impl Gpu {
         };
         let chunk = |list| (0..(CHUNK * CHUNK) as u32).step_by(slots as usize).map(move |first| part(list, first));
         BatchBuffers {
-            cones: match batch.scans.is_empty() {
-                true => device.buffer("cones", &batch.cones, input),
-                false => device.buffer("scans", &batch.scans, input),
+            cones: match method.unit() {
+                Unit::Scan => device.buffer("scans", &batch.scans, input),
+                Unit::Reading | Unit::Update => device.buffer("cones", &batch.cones, input),
             },
             parts: device.zeros("parts", parts as u64),
-            shares: match batch.scans.is_empty() {
-                true => device.buffer("shares", shares_so_far, input | Usage::COPY_SRC),
-                false => device.buffer("centres", &batch.centres, input),
+            shares: match method.unit() {
+                Unit::Reading => device.buffer("shares", shares_so_far, input | Usage::COPY_SRC),
+                Unit::Scan => device.buffer("centres", &batch.centres, input),
+                Unit::Update => device.buffer("shapes", &batch.shapes, input),
             },
-            first_part: match batch.scans.is_empty() {
-                true => device.buffer("first_part", &batch.first_part, input),
-                false => device.buffer("beams", &batch.beams, input),
+            first_part: match method.unit() {
+                Unit::Reading => device.buffer("first_part", &batch.first_part, input),
+                Unit::Scan => device.buffer("beams", &batch.beams, input),
+                Unit::Update => device.buffer("points", &batch.points, input),
             },
             chunks: batch.chunks.iter().flat_map(chunk).filter(|c| c.groups > 0).collect(),
         }

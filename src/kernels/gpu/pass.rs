@@ -1,5 +1,5 @@
 //! Pipelines, made when they are first needed, and the recording of a pass; what passes bind is twin of
-//! `shaders/driver/readings.wgsl` and of `shaders/driver/scans.wgsl`.
+//! `shaders/driver/readings.wgsl`, of `shaders/driver/scans.wgsl` and of `shaders/driver/updates.wgsl`.
 
 use super::Options;
 use super::device::Device;
@@ -91,7 +91,7 @@ impl Passes {
         for (from, to) in &self.options.patches {
             source = source.replace(from, to);
         }
-        let cones = method.unit() == Unit::Reading;
+        let cones = method.unit() != Unit::Scan;
         let overrides = method.variant().into_iter().chain(cones.then_some(("BROAD_BEAMS", needs.broad)));
         let constants: Vec<_> =
             overrides.filter(|_| kernel != Kernel::Sum).map(|(name, on)| (name, f64::from(on))).collect();

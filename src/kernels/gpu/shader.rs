@@ -12,6 +12,9 @@ const READINGS: &str = include_str!("../../../shaders/driver/readings.wgsl");
 const SCANS: &str = include_str!("../../../shaders/driver/scans.wgsl");
 const ORDER: &str = include_str!("../../../shaders/scan/order.wgsl");
 const SCAN: &str = include_str!("../../../shaders/driver/scan.wgsl");
+const UPDATES: &str = include_str!("../../../shaders/driver/updates.wgsl");
+const REGION: &str = include_str!("../../../shaders/update/region.wgsl");
+const UPDATE: &str = include_str!("../../../shaders/driver/update.wgsl");
 const TILE: &str = include_str!("../../../shaders/driver/tile.wgsl");
 const FUSE: &str = include_str!("../../../shaders/driver/fuse.wgsl");
 const WEIGH: &str = include_str!("../../../shaders/driver/weigh.wgsl");
@@ -60,6 +63,12 @@ pub fn source(method: &dyn Method, kernel: Kernel, wide: bool, groups: u32) -> S
     if method.unit() == Unit::Scan {
         return [LAYOUT, SCANS, INT64, ORDER, &method.declarations(), half, SCAN].join("\n");
     }
+    let threads = format!("const THREADS: u32 = {}u;", 64 / groups);
+    if method.unit() == Unit::Update {
+        // No update reaches far.
+        let each = each(UPDATE, groups);
+        return [LAYOUT, UPDATES, CONE, NARROW, PROFILE, REGION, half, &threads, TILE, &each].join("\n");
+    }
     let reach = if wide { [INT64, WIDE].join("\n") } else { NARROW.into() };
     let driver = match kernel {
         Kernel::Weigh => WEIGH,
@@ -67,7 +76,6 @@ pub fn source(method: &dyn Method, kernel: Kernel, wide: bool, groups: u32) -> S
         Kernel::Fuse => FUSE,
         Kernel::Sum => return [LAYOUT, READINGS, SUM].join("\n"),
     };
-    let threads = format!("const THREADS: u32 = {}u;", 64 / groups);
     [LAYOUT, READINGS, CONE, &reach, PROFILE, half, &threads, TILE, &each(driver, groups)].join("\n")
 }
 

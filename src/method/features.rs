@@ -1,0 +1,144 @@
+//! Feature-based occupancy grid (IJCAI 2007): what an update says of a cell, weighted; twin of `shaders/method/features.wgsl`.
+//!
+//! A cell keeps a pair of products, as bayes does, and a sum of marks of what said something of it. P(occupied) is ½ and what
+//! each source adds to it, so that a source that says nothing adds nothing.
+
+use super::odds::{self, Cells, MOST, likelihood};
+use super::settings::{Features, Settings};
+use super::{Cost, Entry, LayerSpec, Method, Pass, Step, Unit};
+use crate::grid::Class;
+use crate::kernels::cpu::{Job, walk_updates};
+use crate::layout::{COUNT, Cone, Frame, Shapes};
+use crate::profile::murphy;
+use crate::sensor::Sensor;
+use crate::snap::Snapped;
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, mask32x16, u32x16};
+
+/// The registry's line.
+pub const ENTRY: Entry = Entry {
+    name: "features",
+    source: "IJCAI 2007 (feature-based occupancy grid)",
+    about: "log odds of occupied from each reading's updates, of the walls and corners it came from",
+    wgsl: concat!(
+        include_str!("../../shaders/method/odds.wgsl"),
+        "\n",
+        include_str!("../../shaders/method/features.wgsl")
+    ),
+    // Of a cell of a routine part's cone; what fans and lines cost depends on how many there are.
+    cost: Cost { flop: 28, int: 32 },
+    groups: 8,
+    make: |settings| match settings {
+        Settings::Features(f) => Some(Box::new(f)),
+        _ => None,
+    },
+};
+
+/// Plane of the marks, after the two counts.
+pub const MARKS: usize = 3;
+
+/// Bit of a cell's code: the first part occupies it; the other part's, the routine part's, two places on each.
+pub const OCCUPIED: u32 = 1;
+/// The same: the first part frees it.
+pub const FREED: u32 = 2;
+
+/// Who says what of a row's cells: the two parts, the routine part.
+#[derive(Debug, Clone, Copy)]
+pub struct Said<S: Simd> {
+    /// Each occupies these.
+    pub occupied: [mask32x16<S>; 3],
+    /// Each frees these.
+    pub freed: [mask32x16<S>; 3],
+    /// From the sensor, metres; off-axis angle over β: where the routine part says something.
+    pub polar: [f32x16<S>; 2],
+}
+
+/// A number that tells an update's code of a cell from others.
+#[inline(always)]
+pub fn mark<S: Simd>(number: u32, code: u32x16<S>) -> u32x16<S> {
+    let mixed = (code ^ number.wrapping_mul(0x9e37_79b1)) * 0x85eb_ca6b;
+    (mixed ^ (mixed >> 15)) * 0xc2b2_ae35
+}
+
+/// What a source adds to ½: this where it occupies, less where it frees.
+#[inline(always)]
+fn lean<S: Simd>(weight: f32x16<S>, occupied: mask32x16<S>, freed: mask32x16<S>) -> f32x16<S> {
+    let none = f32x16::splat(weight.token(), 0.0);
+    occupied.select(weight, freed.select(none - weight, none))
+}
+
+/// The update of a row's cells; `ROUTINE`: the routine part says something of them.
+#[inline(always)]
+pub fn fuse_cells<S: Simd, const ROUTINE: bool>(
+    simd: S,
+    frame: &Frame,
+    cone: &Cone,
+    shapes: &Shapes,
+    said: &Said<S>,
+    cells: &mut Cells<S>,
+) {
+    let Said { occupied, freed, polar: [distance, turn] } = *said;
+    let [first, second, weight, _] = shapes.weights;
+    let splat = |x: f32| f32x16::splat(simd, x);
+    // From ½ on: software adapters add a constant first, wherever it stands.
+    let mut sum = splat(0.5);
+    if ROUTINE {
+        let p = likelihood(frame, murphy(cone.profile[0], distance, turn), occupied[2]);
+        sum += lean((p - 0.5) * weight, occupied[2], freed[2]);
+    }
+    sum = (sum + lean(splat(first), occupied[0], freed[0])) + lean(splat(second), occupied[1], freed[1]);
+    let p = sum.max(1.0 - MOST).min(MOST);
+    let member = occupied[0] | occupied[1] | occupied[2] | freed[0] | freed[1] | freed[2];
+    cells.occupied = member.select(cells.occupied * p, cells.occupied);
+    cells.empty = member.select(cells.empty * (splat(1.0) - p), cells.empty);
+}
+
+impl Method for Features {
+    fn settings(&self) -> Settings {
+        Settings::Features(*self)
+    }
+
+    fn unit(&self) -> Unit {
+        Unit::Update
+    }
+
+    fn marks(&self) -> Option<usize> {
+        Some(MARKS)
+    }
+
+    fn planes(&self) -> usize {
+        4
+    }
+
+    fn sweeps(&self) -> &'static [&'static [Step]] {
+        &[&[Step::Pass(Pass::Fuse, COUNT)]]
+    }
+
+    fn rounds(&self) -> Option<super::Rounds> {
+        None
+    }
+
+    fn constants(&self) -> [[f32; 4]; 2] {
+        [[0.5 * self.max_occ, 0.5, 0.5, 0.5].map(|v| v as f32), [0.0; 4]]
+    }
+
+    fn profile(&self, sensor: &Sensor, _: &Snapped) -> [f32; 4] {
+        [(1.0 / sensor.r_max) as f32, 0.0, 0.0, 0.0]
+    }
+
+    fn layers(&self) -> Vec<LayerSpec> {
+        odds::LAYERS.to_vec()
+    }
+
+    fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
+        odds::values(odds::log_odds(&words[2..]), [self.p_occupied, self.p_empty], layers)
+    }
+
+    fn combined(&self, layers: &[f32], _: Class) -> f32 {
+        odds::combined(layers)
+    }
+
+    fn run(&self, _: Pass, job: &Job, state: &mut [u32]) {
+        walk_updates(job, state);
+    }
+}
