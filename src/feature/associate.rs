@@ -65,7 +65,11 @@ pub fn associate(ping: &Ping, z: f64, features: &Features, rules: &Rules) -> Ass
                 bell(distance(tip, corner.at), PAPER)
             } else {
                 let faced = corner.walls.iter().all(|w| features.walls[*w].front(ping.at) > 0.0);
-                if faced && bearing(corner.at) <= ping.half_width { bell(z - distance(ping.at, corner.at), SIGMA) } else { 0.0 }
+                if faced && bearing(corner.at) <= ping.half_width {
+                    bell(z - distance(ping.at, corner.at), SIGMA)
+                } else {
+                    0.0
+                }
             };
             better(&mut found.corner, k, p);
         }

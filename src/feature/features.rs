@@ -1,5 +1,6 @@
 //! The features of a place: walls with faces and extents, corners where two meet, points.
 
+use super::rcd::Rcd;
 use crate::world::plane::{Point, add, dot, times};
 
 /// A wall's face: a segment seen from one side.
@@ -97,6 +98,15 @@ impl Features {
     pub fn members(&self) -> impl Iterator<Item = usize> + '_ {
         self.walls.iter().flat_map(|w| &w.rcds).chain(self.spots.iter().flat_map(|s| &s.rcds)).copied()
     }
+}
+
+/// Features and the regions of constant depth that they are made of.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Known {
+    /// The features; their `rcds` are places in the list of regions.
+    pub features: Features,
+    /// The regions.
+    pub regions: Vec<Rcd>,
 }
 
 /// How far along a ray (a unit vector) from a point it meets a segment, metres.

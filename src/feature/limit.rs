@@ -49,8 +49,7 @@ pub struct Limit {
 }
 
 /// No limit.
-const NOTHING: Limit =
-    Limit { distance: f64::INFINITY, before: f64::INFINITY, by: By::Nothing, length: f64::INFINITY };
+const NOTHING: Limit = Limit { distance: f64::INFINITY, before: f64::INFINITY, by: By::Nothing, length: f64::INFINITY };
 
 /// A segment that ends sight, or freeing.
 #[derive(Debug, Clone, Copy)]
@@ -92,8 +91,11 @@ impl<'a> View<'a> {
     pub fn of(features: &'a Features, place: Point, reach: f64, resolution: f64) -> View<'a> {
         let near = |s: &[Point; 2]| from_segment(place, s[0], s[1]) <= reach;
         let block = |s: [Point; 2]| Blocker::new(s, resolution);
-        let of_walls =
-            features.walls.iter().enumerate().flat_map(|(k, w)| w.ends().map(|at| End { at, wall: Some(k), spot: None }));
+        let of_walls = features
+            .walls
+            .iter()
+            .enumerate()
+            .flat_map(|(k, w)| w.ends().map(|at| End { at, wall: Some(k), spot: None }));
         let of_spots = features.spots.iter().enumerate().map(|(k, s)| End { at: s.at, wall: None, spot: Some(k) });
         let of_corners = features.corners.iter().map(|c| End { at: c.at, wall: None, spot: None });
         View {
@@ -126,7 +128,10 @@ impl<'a> View<'a> {
         counts: impl Fn(&End) -> bool,
     ) -> Sector<'_> {
         let (sin, cos) = half_width.sin_cos();
-        let (right, left) = ((axis.0 * cos + axis.1 * sin, axis.1 * cos - axis.0 * sin), (axis.0 * cos - axis.1 * sin, axis.1 * cos + axis.0 * sin));
+        let (right, left) = (
+            (axis.0 * cos + axis.1 * sin, axis.1 * cos - axis.0 * sin),
+            (axis.0 * cos - axis.1 * sin, axis.1 * cos + axis.0 * sin),
+        );
         // A hair wider, so that rounding loses nothing.
         let inside = |b: &&Blocker| {
             let [u, v] = b.segment.map(|p| sub(p, from));
@@ -150,7 +155,11 @@ impl<'a> View<'a> {
             let v = sub(end.at, from);
             let far = dot(v, v).sqrt();
             let side = cross(axis, v) / far;
-            (far > 1e-6 && dot(axis, v) >= 0.0 && side.abs() <= aside).then_some(Seen { side, distance: far, end: *end })
+            (far > 1e-6 && dot(axis, v) >= 0.0 && side.abs() <= aside).then_some(Seen {
+                side,
+                distance: far,
+                end: *end,
+            })
         };
         let mut all: Vec<Seen> = self.ends.iter().filter(|e| counts(e)).filter_map(seen).collect();
         all.sort_by(|a, b| a.side.total_cmp(&b.side));

@@ -19,4 +19,9 @@ mod update;
 pub mod vote;
 pub mod wall;
 
+pub use features::{Corner, Features, Known, Spot, Wall};
+pub use ping::Ping;
+pub use rcd::{Rcd, Source};
+pub use rules::Rules;
+pub use stage::{Stage, Tally};
 pub use update::{Fan, Part, Routine, Update};

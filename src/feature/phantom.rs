@@ -64,7 +64,12 @@ fn survivors(all: &Features, stand: &[Vec<bool>; 2], rcds: &[Rcd], path: &[[Poin
         if path.iter().any(crosses) {
             return true;
         }
-        let passing = all.walls.iter().enumerate().filter(|(other, _)| *other != k && stand[0][*other]).flat_map(|(_, w)| &w.rcds);
+        let passing = all
+            .walls
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != k && stand[0][*other])
+            .flat_map(|(_, w)| &w.rcds);
         let count = passing
             .filter(|m| {
                 let rcd = &rcds[**m];

@@ -45,8 +45,8 @@ pub struct Rcd {
     pub fitted: bool,
     /// Whether it is a feature by itself; else it takes another of the same.
     pub clear: bool,
-    /// Numbers of its pings, first and last.
-    pub pings: (u64, u64),
+    /// Lines of the log between which its readings stand, first and last.
+    pub lines: [u64; 2],
     /// How many echoes it has.
     pub count: u32,
 }
@@ -145,7 +145,10 @@ fn parts(order: &[&Ping], run: &Run, alpha: f64) -> Vec<Rcd> {
             (run.members.iter().filter(own).copied().collect(), at)
         })
         .collect();
-    half.into_iter().filter(|h| h.0.len() >= FEWEST).filter_map(|(members, _)| region(order, &members, middle)).collect()
+    half.into_iter()
+        .filter(|h| h.0.len() >= FEWEST)
+        .filter_map(|(members, _)| region(order, &members, middle))
+        .collect()
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -158,9 +161,9 @@ fn join(runs: &mut Vec<Run>, place: &dyn Fn(usize) -> usize) {
     let mut k = 0;
     while k < runs.len() {
         let last = runs[k].members.last().map_or(0, |m| place(*m));
-        let next = (k + 1..runs.len()).take_while(|j| place(runs[*j].members[0]) - last <= GAP + 1).find(|j| {
-            (runs[*j].median() - runs[k].median()).abs() <= 0.75 * tolerance(runs[k].median())
-        });
+        let next = (k + 1..runs.len())
+            .take_while(|j| place(runs[*j].members[0]) - last <= GAP + 1)
+            .find(|j| (runs[*j].median() - runs[k].median()).abs() <= 0.75 * tolerance(runs[k].median()));
         match next {
             Some(j) => {
                 let other = runs.remove(j);
@@ -183,7 +186,7 @@ fn region(order: &[&Ping], members: &[usize], _half: f64) -> Option<Rcd> {
     let distance = |p: &&Ping| p.range.unwrap_or_default() + dot(normal, sub(p.at, centre));
     let range = pings.iter().map(distance).sum::<f64>() / n;
     let span = pings.iter().map(|p| cross(normal, p.axis).asin().abs()).fold(0.0, f64::max);
-    let numbers = pings.iter().map(|p| p.number);
+    let lines = pings.iter().map(|p| p.record.line);
     Some(Rcd {
         centre,
         foot: add(centre, times(normal, range)),
@@ -194,7 +197,7 @@ fn region(order: &[&Ping], members: &[usize], _half: f64) -> Option<Rcd> {
         source: Source::Wall,
         fitted: false,
         clear: true,
-        pings: (numbers.clone().min()?, numbers.max()?),
+        lines: [lines.clone().min()?, lines.max()?],
         count: pings.len() as u32,
     })
 }

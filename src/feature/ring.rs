@@ -125,7 +125,7 @@ fn region(run: &[Ping]) -> Option<Rcd> {
         source,
         fitted: true,
         clear,
-        pings: (first.number, last.number),
+        lines: [first.record.line, last.record.line],
         count: run.len() as u32,
     })
 }

@@ -3,7 +3,7 @@
 use super::corner::{corners, cut};
 use super::decide::decide;
 use super::draw::{Cells, draw};
-use super::features::Features;
+use super::features::Known;
 use super::limit::View;
 use super::line::lines;
 use super::near::Near;
@@ -120,7 +120,7 @@ impl Stage {
     }
 
     /// Every feature of the log so far, and the regions that they are made of.
-    pub fn features(&self) -> (Features, Vec<Rcd>) {
+    pub fn known(&self) -> Known {
         self.around([f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY])
     }
 
@@ -160,7 +160,7 @@ impl Stage {
     }
 
     /// The features in a box x0, y0, x1, y1.
-    fn around(&self, place: [f64; 4]) -> (Features, Vec<Rcd>) {
+    fn around(&self, place: [f64; 4]) -> Known {
         let (mut rcds, path) = (self.regions.within(place), self.path.within(place));
         let rules = &self.rules;
         if rules.points && !rules.paper {
@@ -182,17 +182,20 @@ impl Stage {
         if rules.lines && !rules.paper {
             features.lines = lines(&features, &rcds, &path);
         }
-        (features, rcds)
+        Known { features, regions: rcds }
     }
 
     /// Releases readings that were held for `hold` metres, or while more than `most` are held.
     fn release(&mut self, hold: f64, most: usize, out: &mut Vec<Update>) {
-        let ripe = |s: &Stage| s.held.front().is_some_and(|h| s.travelled - h.travelled >= hold || s.count > most && most > 0);
+        let ripe =
+            |s: &Stage| s.held.front().is_some_and(|h| s.travelled - h.travelled >= hold || s.count > most && most > 0);
         while ripe(self) {
             // Scans near each other share their features.
             let mut window = Vec::new();
             let start = self.held.front().map(|h| h.at);
-            while ripe(self) && self.held.front().map(|h| h.at).zip(start).is_some_and(|(a, b)| distance(a, b) <= 2.0 * WINDOW) {
+            while ripe(self)
+                && self.held.front().map(|h| h.at).zip(start).is_some_and(|(a, b)| distance(a, b) <= 2.0 * WINDOW)
+            {
                 let Some(held) = self.held.pop_front() else { break };
                 self.count -= held.pings.len();
                 window.push(held);
@@ -206,9 +209,10 @@ impl Stage {
         let reach = pings().map(|p| p.reach + distance(p.at, p.centre())).fold(0.0, f64::max) + BEYOND;
         let mut place = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         for (x, y) in window.iter().map(|h| h.at) {
-            place = [place[0].min(x - reach), place[1].min(y - reach), place[2].max(x + reach), place[3].max(y + reach)];
+            place =
+                [place[0].min(x - reach), place[1].min(y - reach), place[2].max(x + reach), place[3].max(y + reach)];
         }
-        let (features, _) = self.around(place);
+        let Known { features, .. } = self.around(place);
         for held in window {
             let view = View::of(&features, held.at, reach, self.cells.resolution);
             for ping in &held.pings {

@@ -88,8 +88,10 @@ pub fn walls(rcds: &[Rcd]) -> Vec<Wall> {
 fn wall(rcds: &[Rcd], group: Vec<usize>) -> Wall {
     let of = |k: &usize| &rcds[*k];
     let closest = group.iter().map(of).min_by(|a, b| a.range.total_cmp(&b.range)).unwrap_or(&rcds[group[0]]);
-    let (normal, through) = line(rcds, &group).filter(|(n, _)| angle(*n, closest.normal) < TURN).unwrap_or((closest.normal, closest.foot));
-    let mut wall = Wall { normal, offset: dot(normal, through), extent: [f64::INFINITY, f64::NEG_INFINITY], rcds: Vec::new() };
+    let (normal, through) =
+        line(rcds, &group).filter(|(n, _)| angle(*n, closest.normal) < TURN).unwrap_or((closest.normal, closest.foot));
+    let mut wall =
+        Wall { normal, offset: dot(normal, through), extent: [f64::INFINITY, f64::NEG_INFINITY], rcds: Vec::new() };
     for rcd in group.iter().map(of) {
         let s = wall.place(rcd.foot);
         wall.extent = [wall.extent[0].min(s - rcd.half), wall.extent[1].max(s + rcd.half)];
