@@ -49,6 +49,28 @@ pub struct Batch {
     pub points: Vec<[i32; 2]>,
 }
 
+impl Batch {
+    /// How often a GPU's thread goes round its loops over a tile's list at most: once for each entry, and for each side of a fan or
+    /// line that may meet the tile, and once to leave it, in each of the thread's `groups` of four cells.
+    pub fn turns(&self, groups: usize) -> usize {
+        let sides = |entry: &Entry| match self.shapes.get(entry.index()) {
+            Some(shapes) => {
+                let count =
+                    |[from, to]: [u32; 2], bit: u32| if entry.slot & bit != 0 { (to - from + 1) as usize } else { 0 };
+                let fans = (0..4).map(|k| count(shapes.fans[k], FAN << k)).sum::<usize>();
+                fans + (0..2).map(|k| count(shapes.lines[k], LINES << k)).sum::<usize>()
+            }
+            None => 0,
+        };
+        let tile = |list: &ChunkList, tile: &Tile| {
+            let entries = &list.entries[tile.entries[0] as usize..tile.entries[1] as usize];
+            entries.len() + groups * entries.iter().map(sides).sum::<usize>()
+        };
+        let tiles = |list: &ChunkList| list.tiles.par_iter().map(|t| tile(list, t)).max().unwrap_or(0);
+        self.chunks.iter().map(tiles).max().unwrap_or(0)
+    }
+}
+
 /// How readings are binned.
 #[derive(Debug, Clone, Copy)]
 pub struct Binning {

@@ -128,7 +128,7 @@ impl<'a> Mapper<'a> {
         let misses = (items.len() - batch.cones.len()) as u64;
         self.work.binning_us += started.elapsed().as_micros() as u64;
         let sums = self.method.sweeps()[sweep].contains(&method::Step::Sum);
-        if too_large(&batch, sums, self.backend.limits(), items.len() == 1)? {
+        if too_large(self.method, &batch, sums, self.backend.limits(), items.len() == 1)? {
             return self.halves(sweep, items);
         }
         if sweep == 0 && self.counting {
@@ -180,10 +180,11 @@ pub(crate) fn frame(grid: &GridSpec, method: &dyn Method) -> Frame {
 }
 
 /// Whether a batch comes to more than a backend takes; an error where it is one reading that can't be split.
-pub(crate) fn too_large(batch: &Batch, sums: bool, limits: Limits, one: bool) -> Result<bool> {
+pub(crate) fn too_large(method: &dyn Method, batch: &Batch, sums: bool, limits: Limits, one: bool) -> Result<bool> {
     let entries = batch.chunks.iter().map(|c| c.entries.len()).max().unwrap_or(0);
     let parts = if sums { batch.first_part.last().map_or(0, |p| *p as usize) } else { 0 };
-    let too_large = entries > limits.entries || parts > limits.parts;
+    let turns = if limits.turns < usize::MAX { batch.turns(method::groups(method)) } else { 0 };
+    let too_large = entries > limits.entries || parts > limits.parts || turns > limits.turns;
     if too_large && one {
         return Err(Error::Resources(format!(
             "one reading reaches {entries} tiles of a chunk, more than the adapter's limit of {}: use a coarser \

@@ -1,7 +1,7 @@
 //! A log, a method and a grid, checked before the long run; the readings to map, as often as a method sweeps over them.
 
 use crate::classes::Classes;
-use crate::feature::Update;
+use crate::feature::{self, Found, Update};
 use crate::grid::{GridSpec, Palette};
 use crate::kernels::Backend;
 use crate::layers;
@@ -65,6 +65,8 @@ pub struct Mapped {
     pub counts: Counts,
     /// What the batches came to.
     pub work: Work,
+    /// What the stage found, for a method that takes updates.
+    pub found: Option<Found>,
 }
 
 impl Session {
@@ -161,22 +163,38 @@ impl Session {
 
     /// The same up to the `count`-th used reading.
     fn scans_first(&self, count: u64) -> Result<impl Iterator<Item = Result<Scan>> + '_> {
-        let records = self.log.records()?.filter_map(|record| match record {
-            Ok(record) => Some(Ok(record)),
-            Err(Problem::Fatal(e)) => Some(Err(e)),
-            Err(Problem::Line(_)) => None,
-        });
         let labels = self.classes.as_ref().map_or(0, Classes::count);
-        Ok(Scans::new(records, self.sensors(), labels, self.until.min(count), self.log.path()))
+        Ok(Scans::new(self.records()?, self.sensors(), labels, self.until.min(count), self.log.path()))
     }
 
-    /// The updates of the first `count` used readings, in order, for a method that takes them.
+    /// The updates of the first `count` used readings, in order, for a method that takes them: all at once.
     ///
     /// # Errors
     /// The log's.
-    pub fn updates(&self, count: usize) -> Result<impl Iterator<Item = Result<Update>> + '_> {
-        let items = self.items()?.take(count).enumerate();
-        Ok(items.map(|(number, item)| Ok(update::plain(number as u64, item?.0))))
+    pub fn updates(&self, count: usize) -> Result<Vec<Update>> {
+        Ok(self.associate(count, |updates| updates.collect::<Result<Vec<_>>>())?.0)
+    }
+
+    /// Associates the first `count` used readings with features while `apply` takes the updates that come of it.
+    fn associate<T>(
+        &self,
+        count: usize,
+        apply: impl FnOnce(&mut dyn Iterator<Item = Result<Update>>) -> Result<T>,
+    ) -> Result<(T, Found)> {
+        let Settings::Features(features) = self.method.settings() else {
+            return Err(Error::Usage(format!("{} takes no features", method::name(self.method.as_ref()))));
+        };
+        let most = self.until.min(count as u64);
+        feature::run(|| self.records(), self.sensors(), (features.rules, self.grid.resolution, most), apply)
+    }
+
+    /// The log's records, in order, bad lines left out.
+    fn records(&self) -> Result<impl Iterator<Item = Result<Record>> + '_> {
+        Ok(self.log.records()?.filter_map(|record| match record {
+            Ok(record) => Some(Ok(record)),
+            Err(Problem::Fatal(e)) => Some(Err(e)),
+            Err(Problem::Line(_)) => None,
+        }))
     }
 
     /// The readings to map, in log order, bad lines and unused records left out.
@@ -217,15 +235,18 @@ impl Session {
             let scanned = Scanned::read(&self.grid, csm, scans, (&here.0, here.1), &|_| {})?;
             let work = scanned.apply(self.method.as_ref(), backend, batch, progress)?;
             let finished = mapper::finish(&self.grid, self.method.as_ref(), backend, false)?;
-            return Ok(Mapped { finished, counts: self.survey.counts, work });
+            return Ok(Mapped { finished, counts: self.survey.counts, work, found: None });
         }
         if let Settings::Features(_) = self.method.settings() {
             let (grid, sensors, method) = (&self.grid, self.sensors(), self.method.as_ref());
-            let updates = self.updates(count)?;
-            let (reached, work) = update::apply(grid, sensors, method, backend, batch, updates, progress)?;
+            let apply = |updates: &mut dyn Iterator<Item = Result<Update>>| {
+                update::apply(grid, sensors, method, backend, batch, updates, progress)
+            };
+            let ((reached, work), found) = self.associate(count, apply)?;
             let finished = mapper::finish(grid, method, backend, false)?;
             let Counts { outside, empty_arc, wide, .. } = reached;
-            return Ok(Mapped { finished, counts: Counts { outside, empty_arc, wide, ..self.survey.counts }, work });
+            let counts = Counts { outside, empty_arc, wide, ..self.survey.counts };
+            return Ok(Mapped { finished, counts, work, found: Some(found) });
         }
         let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch);
         for sweep in 0..self.method.sweeps().len() {
@@ -234,7 +255,8 @@ impl Session {
         let (reached, work) = (mapper.counts, mapper.work);
         let finished = mapper.finish()?;
         let Counts { outside, empty_arc, wide, .. } = reached;
-        Ok(Mapped { finished, counts: Counts { outside, empty_arc, wide, ..self.survey.counts }, work })
+        let counts = Counts { outside, empty_arc, wide, ..self.survey.counts };
+        Ok(Mapped { finished, counts, work, found: None })
     }
 
     /// Maps the log by the f64 oracle, one reading, scan, or update, at a time.
@@ -244,18 +266,28 @@ impl Session {
             return Ok(oracle::map_scans(&self.grid, &scans, &csm));
         }
         if let Settings::Features(_) = self.method.settings() {
-            let updates = self.updates(usize::MAX)?;
-            return oracle::map_updates(&self.grid, self.sensors(), updates, &self.method.settings());
+            return Ok(self.oracle_of_updates()?.0);
         }
         let (readings, wedges) = self.all()?;
         oracle::map(&self.grid, self.sensors(), &readings, &self.method.settings(), wedges.as_deref())
     }
 
+    /// The oracle's map of a method that takes updates, and what was found.
+    fn oracle_of_updates(&self) -> Result<(OracleMap, Found)> {
+        let map = |updates: &mut dyn Iterator<Item = Result<Update>>| {
+            oracle::map_updates(&self.grid, self.sensors(), updates, &self.method.settings())
+        };
+        self.associate(usize::MAX, map)
+    }
+
     /// The oracle's map as every other backend gives it.
     pub fn oracle_map(&self) -> Result<Mapped> {
-        let map = self.oracle()?;
+        let (map, found) = match self.method.settings() {
+            Settings::Features(_) => self.oracle_of_updates().map(|(map, found)| (map, Some(found)))?,
+            _ => (self.oracle()?, None),
+        };
         let counts = Counts { outside: map.outside, empty_arc: map.empty_arc, wide: map.wide, ..self.survey.counts };
-        Ok(Mapped { finished: layers::from_oracle(&map, self.method.as_ref()), counts, work: Work::default() })
+        Ok(Mapped { finished: layers::from_oracle(&map, self.method.as_ref()), counts, work: Work::default(), found })
     }
 }
 

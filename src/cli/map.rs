@@ -5,6 +5,7 @@ use super::common::{
     warn_of_empty_map, warn_of_jump,
 };
 use super::{note, say};
+use crate::feature::{self, Times};
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
 use crate::method::Unit;
@@ -70,6 +71,9 @@ impl Map {
         }
         let place = folder.finish()?;
         warn_of_empty_map(&counts, &session);
+        if report.features.as_ref().is_some_and(|f| f.regions == 0) {
+            note!("{NO_REGIONS}");
+        }
         if self.json {
             say!("{}", serde_json::to_string_pretty(&report).unwrap_or_default());
         } else if !self.quiet {
@@ -178,6 +182,10 @@ impl Map {
     }
 }
 
+/// What to say where method features found nothing to go by.
+const NO_REGIONS: &str = "no walls or corners were found, so that every echo was mapped as method bayes does: features needs circular \
+scans (a sonar that turns, with a reading every 2.5° or less), or sonars that pass a wall (4 echoes of one over 0.25 m of travel)";
+
 /// What is done is not lost: the error, and where to go on from.
 fn kept(folder: Folder, error: Error) -> Error {
     let place = folder.path().display().to_string();
@@ -212,7 +220,8 @@ pub fn save(
     seconds: Vec<(String, f64)>,
     npy: bool,
 ) -> Result<Report> {
-    let info = run_info(session, ran, mapped.counts, seconds)?;
+    let features = mapped.found.as_ref().map(feature::Found::summary);
+    let info = RunInfo { features, ..run_info(session, ran, mapped.counts, seconds)? };
     output::write_map(folder, &mapped.finished.map, &mapped.finished.combined, &info, npy)
 }
 
@@ -228,6 +237,7 @@ fn run_info(session: &Session, ran: &Ran, counts: Counts, seconds: Vec<(String, 
         adapter: ran.adapter.clone(),
         bad_lines: session.survey.bad_lines.clone(),
         classes: session.classes.as_ref().map_or_else(Vec::new, |c| c.names.clone()),
+        features: None,
     })
 }
 
@@ -248,6 +258,20 @@ fn summary(session: &Session, counts: &Counts, report: &Report, why: &str, place
         c.empty,
         report.updates
     );
+    if let Some(f) = &report.features {
+        let Times { stage, kernels, .. } = f.seconds;
+        say!(
+            "{}, {}, {}; readings: {} from a feature, {} from behind a wall, {} from behind a safe line, {} routine",
+            count(f.walls, "wall"),
+            count(f.corners, "corner"),
+            count(f.points, "point"),
+            f.associated,
+            f.outliers,
+            f.behind,
+            f.routine
+        );
+        say!("stage {stage:.2} s, kernels {kernels:.2} s, {:.0} % of the shorter beside the other", 100.0 * f.overlap);
+    }
     let why = if why.is_empty() { String::new() } else { format!(", because {why}") };
     let adapter = report.adapter.as_deref().map(|a| format!(" ({a})")).unwrap_or_default();
     say!("{}{adapter}{why}; {seconds:.2} s", report.backend);

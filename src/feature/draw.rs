@@ -4,7 +4,7 @@ use super::decide::{BEARINGS, Case, Decision};
 use super::features::{Corner, Features, Wall};
 use super::ping::Ping;
 use super::update::{Fan, Part, Routine, Update};
-use crate::world::plane::{Point, add, dot, times};
+use crate::world::plane::{Point, add, dot, from_segment, times};
 
 /// A wall is occupied, and freed before, so much beyond its ends, metres.
 const BEYOND: f64 = 0.15;
@@ -18,6 +18,23 @@ pub struct Cells {
     pub resolution: f64,
     /// ε, metres.
     pub epsilon: f64,
+}
+
+/// A fan's side may pass its vertices by so much, cells: fewer sides are less work.
+const STRAIGHT: f64 = 0.05;
+
+/// A line of points without those that lie so near to the line between their neighbours that are kept.
+fn simplified(points: Vec<Point>, within: f64) -> Vec<Point> {
+    let (mut kept, mut from) = (vec![points[0]], 0);
+    for to in 2..points.len() {
+        let between = &points[from + 1..to];
+        if between.iter().any(|p| from_segment(*p, points[from], points[to]) > within) {
+            from = to - 1;
+            kept.push(points[from]);
+        }
+    }
+    kept.extend(points.last());
+    kept
 }
 
 struct Drawing<'a> {
@@ -47,7 +64,7 @@ impl Drawing<'_> {
         let least = 0.25 * self.cells.resolution;
         let vertices: Vec<Point> =
             (0..BEARINGS).map(|k| add(self.ping.at, times(self.decision.rays[k], far(k).max(least)))).collect();
-        Some(Fan { vertices })
+        Some(Fan { vertices: simplified(vertices, STRAIGHT * self.cells.resolution) })
     }
 
     /// Where freeing ends at a bearing for the free limit's sake.

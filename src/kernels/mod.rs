@@ -32,6 +32,9 @@ pub struct Limits {
     pub entries: usize,
     /// Parts of sums: (tile, arc) pairs.
     pub parts: usize,
+    /// How often a thread may go round its loops ([`Batch::turns`]): Mesa's software adapter ends a loop without a word
+    /// once all of a thread's have gone round 65535 times.
+    pub turns: usize,
 }
 
 /// Something that runs a method's steps over batches and keeps the cells.

@@ -248,6 +248,11 @@ pub fn tile_words(method: &dyn Method) -> usize {
     planes(method) * layout::TILE_CELLS
 }
 
+/// How many times four cells a software adapter's thread owns.
+pub fn groups(method: &dyn Method) -> usize {
+    REGISTRY.iter().find(|e| (e.make)(method.settings()).is_some()).map_or(1, |e| e.groups as usize)
+}
+
 /// The method's name in the registry.
 pub fn name(method: &dyn Method) -> &'static str {
     REGISTRY.iter().find(|e| (e.make)(method.settings()).is_some()).map_or("", |e| e.name)

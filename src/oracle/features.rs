@@ -243,7 +243,7 @@ pub fn map_updates(
     let Settings::Features(features) = settings else {
         return Err(Error::Usage("only the feature-based grid takes updates: see map".into()));
     };
-    let Features { max_occ, p_occupied, p_empty } = *features;
+    let Features { max_occ, p_occupied, p_empty, .. } = *features;
     let bayes = Bayes { max_occ, p_occupied, p_empty, ..Bayes::default() };
     let (mut odds, mut tally, mut marks) =
         (Odds::new(grid.cells()), Tally::new(grid.cells()), vec![0u32; grid.cells()]);

@@ -3,6 +3,7 @@
 
 use super::unwritable;
 use crate::Result;
+use crate::feature::Summary;
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
 use crate::reading::Counts;
 use crate::sensor::{Kind, Sensor};
@@ -32,6 +33,8 @@ pub struct RunInfo {
     pub bad_lines: BadLines,
     /// Names of the class labels, "free" last, where the method tells them apart.
     pub classes: Vec<String>,
+    /// What the method's features came to, where it has some.
+    pub features: Option<Summary>,
 }
 
 /// Which log a map was made of.
@@ -143,6 +146,9 @@ pub struct Report {
     /// Names of the class labels, "free" last, where the method tells them apart.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub classes: Vec<String>,
+    /// What the method's features came to, where it has some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub features: Option<Summary>,
     /// Wall time of each stage, seconds.
     #[serde(serialize_with = "as_object")]
     pub seconds: Vec<(String, f64)>,
@@ -256,6 +262,7 @@ impl Report {
             layers,
             increments,
             classes: info.classes.clone(),
+            features: info.features.clone(),
             seconds: info.seconds.clone(),
             peak_memory: peak_memory(),
             backend: info.backend.clone(),

@@ -48,7 +48,12 @@ pub struct Most {
     pub pairs: usize,
     /// What one tile may come to, that can't be split: beams and pairs.
     pub one: [usize; 2],
+    /// How often a thread may go round its loops ([`crate::kernels::Limits::turns`]).
+    pub turns: usize,
 }
+
+/// Steps of a search among a scan's beams, and the walk to it: more than any takes.
+const SEARCH: usize = 40;
 
 impl<'a> Tiles<'a> {
     /// Of the chunk in this row and column.
@@ -92,9 +97,12 @@ impl<'a> Tiles<'a> {
                 scans.extend(&tile.scans);
                 (beams, pairs, taken) = (beams + more, pairs + tile.scans.len(), taken + 1);
             }
-            if beams > most.one[0] || pairs > most.one[1] {
+            // A thread keeps the squares of its nearest poses in order, for each candidate, and searches the beams of those taken.
+            let held = usize::from(self.csm.neighbours.unwrap_or(0));
+            let turns = rest[..taken].iter().map(|t| t.scans.len() * (2 + held)).max().unwrap_or(0) + held * SEARCH;
+            if beams > most.one[0] || pairs > most.one[1] || turns > most.turns {
                 return Err(Error::Resources(format!(
-                    "the {} poses nearest to one tile of cells have {beams} beams, more than the adapter takes at once: \
+                    "the {} poses nearest to one tile of cells, with {beams} beams, are more than the adapter takes at once: \
                      use --backend cpu, a coarser --resolution or fewer neighbours",
                     scans.len()
                 )));
@@ -119,7 +127,9 @@ impl<'a> Tiles<'a> {
             let (mut beams, mut taken) = (0, 0);
             for scan in rest {
                 beams += self.store.count(*scan);
-                if taken > 0 && (beams > most.beams || (taken + 1) * all.len() > most.pairs) {
+                if taken > 0
+                    && (beams > most.beams || (taken + 1) * all.len() > most.pairs || (taken + 1) * SEARCH > most.turns)
+                {
                     break;
                 }
                 taken += 1;

@@ -98,7 +98,7 @@ impl Applier<'_> {
         }
         let Binned { batch, outside, empty_arc } = bins.bin(updates);
         self.work.binning_us += started.elapsed().as_micros() as u64;
-        if too_large(&batch, false, limits, one)? {
+        if too_large(self.method, &batch, false, limits, one)? {
             return self.halves(updates);
         }
         self.counts.outside += outside;

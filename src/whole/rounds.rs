@@ -328,7 +328,7 @@ impl<'a> Run<'a> {
         let pairs = cones.iter().map(|c| binning.at_most(c)).sum::<usize>();
         let batch = (cones.len() == 1 || pairs <= PAIRS).then(|| binning.bin(cones.clone()));
         let fits = match &batch {
-            Some(batch) => !too_large(batch, steps.contains(&Step::Sum), limits, cones.len() == 1)?,
+            Some(batch) => !too_large(self.method, batch, steps.contains(&Step::Sum), limits, cones.len() == 1)?,
             None => false,
         };
         match batch.filter(|_| fits) {

@@ -107,7 +107,12 @@ impl Scanned {
         give: &mut dyn FnMut(Batch, f64, bool) -> bool,
     ) -> Result<()> {
         let beams = batch.saturating_mul(BEAMS).min(limits.readings);
-        let most = Most { beams, pairs: PAIRS.min(limits.entries), one: [limits.readings, limits.entries] };
+        let most = Most {
+            beams,
+            pairs: PAIRS.min(limits.entries),
+            one: [limits.readings, limits.entries],
+            turns: limits.turns,
+        };
         let mut held: Option<(Batch, f64)> = None;
         let tiles = Tiles::of(&self.grid, place, &self.store, self.index.as_ref(), &self.csm);
         let taken = tiles.batches(most, &mut |batch, share| {

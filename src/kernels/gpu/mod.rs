@@ -48,6 +48,9 @@ pub struct Gpu {
 /// A tile's part of a reading's sum: a number for each group of four cells.
 const PART_BYTES: usize = 64 * size_of::<f32>();
 
+/// How often a software adapter's thread may go round its loops: a little less than Mesa's 65535.
+const SOFTWARE_TURNS: usize = 65_000;
+
 /// A chunk's buffers for one batch, or, where an adapter doesn't bind all of its cells at once, those of some of its tiles.
 struct ChunkBuffers {
     tiles: wgpu::Buffer,
@@ -179,6 +182,7 @@ impl Backend for Gpu {
             readings: (bindable / size_of::<Cone>()).min(64 * self.found().workgroups as usize),
             entries: bindable / size_of::<Entry>(),
             parts: bindable / PART_BYTES,
+            turns: if self.found().software { SOFTWARE_TURNS } else { usize::MAX },
         }
     }
 
