@@ -51,12 +51,12 @@ pub struct Batch {
 
 impl Batch {
     /// How often a GPU's thread goes round its loops over a tile's list at most: once for each entry, and for each side of a fan or
-    /// line that may meet the tile, and once to leave it, in each of the thread's `groups` of four cells.
+    /// line that may meet the tile, and once to leave or to skip each of these loops, in each of the thread's `groups` of four cells.
     pub fn turns(&self, groups: usize) -> usize {
         let sides = |entry: &Entry| match self.shapes.get(entry.index()) {
             Some(shapes) => {
                 let count =
-                    |[from, to]: [u32; 2], bit: u32| if entry.slot & bit != 0 { (to - from + 1) as usize } else { 0 };
+                    |[from, to]: [u32; 2], bit: u32| 1 + if entry.slot & bit != 0 { (to - from) as usize } else { 0 };
                 let fans = (0..4).map(|k| count(shapes.fans[k], FAN << k)).sum::<usize>();
                 fans + (0..2).map(|k| count(shapes.lines[k], LINES << k)).sum::<usize>()
             }
