@@ -6,6 +6,8 @@
 mod common;
 #[path = "output/compare.rs"]
 mod compare;
+#[path = "output/features.rs"]
+mod features;
 #[path = "output/folder.rs"]
 mod folder;
 #[path = "output/formats.rs"]

@@ -2,6 +2,7 @@
 //! writes into the folder it is given, and [`Folder`] alone decides when that folder becomes the user's.
 
 mod check;
+mod features;
 mod figure;
 mod folder;
 mod npy;
@@ -15,6 +16,7 @@ mod writer;
 mod zarr;
 
 pub use check::{Checked, check};
+pub use features::write_features;
 pub use folder::Folder;
 pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};

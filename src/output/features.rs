@@ -1,0 +1,90 @@
+//! What the feature stage found, beside the map: `features.geojson` for programs, `features.svg` to look at. Each file is written
+//! whole or not at all.
+
+mod picture;
+
+use super::unwritable;
+use crate::Result;
+use crate::feature::{Known, Rcd};
+use crate::grid::GridSpec;
+use crate::world::plane::Point;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// What the numbers of a position are; GeoJSON's own are degrees.
+const FRAME: &str =
+    "metres in the log's world frame, x right, y up, rounded to 0.1 mm: not WGS84 longitude and latitude";
+
+/// Writes `features.geojson` and `features.svg` into a map's folder; the picture lies on its `map.png`, if that is there by now.
+/// `grid` is the map's.
+///
+/// # Errors
+/// [`Error::Resources`](crate::Error::Resources) if one can't be written.
+pub fn write_features(folder: &Path, known: &Known, grid: &GridSpec) -> Result<()> {
+    save(&folder.join("features.geojson"), &geojson(known))?;
+    let drawn_over = folder.join("map.png").is_file();
+    save(&folder.join("features.svg"), &picture::svg(known, grid, drawn_over))
+}
+
+fn save(path: &Path, text: &str) -> Result<()> {
+    let mut partial = path.as_os_str().to_os_string();
+    partial.push(".partial");
+    std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path)).map_err(|e| {
+        let _ = std::fs::remove_file(&partial);
+        unwritable(path, e)
+    })
+}
+
+/// A feature a line: walls, then corners, then points, each in the stage's order.
+fn geojson(known: &Known) -> String {
+    let features = &known.features;
+    let walls = features.walls.iter().map(|wall| {
+        let normal = [wall.normal.0, wall.normal.1].map(|v| rounded(v, 1e6));
+        let own = json!({ "kind": "wall", "normal": normal });
+        feature("LineString", json!(wall.ends().map(place)), own, seen(known, wall.rcds.iter()))
+    });
+    let corners = features.corners.iter().map(|corner| {
+        let legs = corner.legs.map(|leg| leg.map(|ends| ends.map(place)));
+        let probability = rounded(corner.probability, 1e4);
+        let own = json!({ "kind": "corner", "probability": probability, "walls": corner.walls, "legs": legs });
+        let members = corner.walls.iter().filter_map(|k| features.walls.get(*k)).flat_map(|w| &w.rcds);
+        feature("Point", json!(place(corner.at)), own, seen(known, members))
+    });
+    let spots = features
+        .spots
+        .iter()
+        .map(|spot| feature("Point", json!(place(spot.at)), json!({ "kind": "point" }), seen(known, spot.rcds.iter())));
+    let mut text = format!("{{\"type\": \"FeatureCollection\", \"frame\": {}, \"features\": [", json!(FRAME));
+    for (k, feature) in walls.chain(corners).chain(spots).enumerate() {
+        text += if k == 0 { "\n" } else { ",\n" };
+        text += &feature.to_string();
+    }
+    text + "\n]}\n"
+}
+
+fn feature(geometry: &str, coordinates: Value, mut own: Value, seen: Value) -> Value {
+    if let (Some(properties), Value::Object(seen)) = (own.as_object_mut(), seen) {
+        properties.extend(seen);
+    }
+    json!({ "type": "Feature", "geometry": { "type": geometry, "coordinates": coordinates }, "properties": own })
+}
+
+/// What saw a feature: how many scans, regions and readings, and between which lines of the log each region stands.
+fn seen<'a>(known: &'a Known, rcds: impl Iterator<Item = &'a usize>) -> Value {
+    let places: BTreeSet<usize> = rcds.copied().collect();
+    let regions: Vec<&Rcd> = places.iter().filter_map(|k| known.regions.get(*k)).collect();
+    let scans: BTreeSet<u64> = regions.iter().map(|r| r.scan).collect();
+    let lines: BTreeSet<[u64; 2]> = regions.iter().map(|r| r.lines).collect();
+    let readings: u64 = regions.iter().map(|r| u64::from(r.count)).sum();
+    json!({ "scans": scans.len(), "regions": regions.len(), "readings": readings, "lines": lines })
+}
+
+fn place(at: Point) -> [f64; 2] {
+    [at.0, at.1].map(|v| rounded(v, 1e4))
+}
+
+/// To so many steps a unit; never −0.
+fn rounded(value: f64, steps: f64) -> f64 {
+    (value * steps).round() / steps + 0.0
+}
