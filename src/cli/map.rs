@@ -222,7 +222,11 @@ pub fn save(
 ) -> Result<Report> {
     let features = mapped.found.as_ref().map(feature::Found::summary);
     let info = RunInfo { features, ..run_info(session, ran, mapped.counts, seconds)? };
-    output::write_map(folder, &mapped.finished.map, &mapped.finished.combined, &info, npy)
+    let report = output::write_map(folder, &mapped.finished.map, &mapped.finished.combined, &info, npy)?;
+    if let Some(found) = &mapped.found {
+        output::write_features(folder.path(), &found.known, &session.grid)?;
+    }
+    Ok(report)
 }
 
 /// What a report says of a run.

@@ -1,7 +1,7 @@
 //! The stage: scans in, updates out, each when its features are as good as they get.
 
 use super::corner::{corners, cut};
-use super::decide::decide;
+use super::decide::{Case, decide};
 use super::draw::{Cells, draw};
 use super::features::Known;
 use super::limit::View;
@@ -41,11 +41,16 @@ pub struct Tally {
     pub held: u64,
 }
 
+/// Scans for which the paper holds a reading.
+const SCANS: u64 = 3;
+
 /// A scan that waits.
 struct Held {
     pings: Vec<Ping>,
     at: Point,
     travelled: f64,
+    /// Which scan it is.
+    number: u64,
 }
 
 /// The stage.
@@ -59,6 +64,7 @@ pub struct Stage {
     walked: HashSet<[i64; 4]>,
     last: Option<Point>,
     travelled: f64,
+    scans: u64,
     held: VecDeque<Held>,
     count: usize,
     /// What became of the readings so far.
@@ -87,27 +93,35 @@ impl Stage {
             walked: HashSet::new(),
             last: None,
             travelled: 0.0,
+            scans: 0,
             held: VecDeque::new(),
             count: 0,
             tally: Tally::default(),
         }
     }
 
-    /// Takes a scan; updates that are ready are put out, in log order.
+    /// Takes a scan; updates that are ready are put out, in log order (but by the paper's rules).
     pub fn scan(&mut self, pings: Vec<Ping>, out: &mut Vec<Update>) {
         let Some(first) = pings.first() else { return };
         let at = first.centre();
         self.walk(at);
         self.look(&pings);
-        self.count += pings.len();
+        self.scans += 1;
+        let mut held = Held { pings, at, travelled: self.travelled, number: self.scans };
+        if self.rules.paper {
+            held.pings = self.at_once(&held, out);
+        }
+        self.count += held.pings.len();
         self.tally.held = self.tally.held.max(self.count as u64);
-        self.held.push_back(Held { pings, at, travelled: self.travelled });
-        let waits = |h: &Held| self.travelled - h.travelled;
-        if self.held.front().is_some_and(|h| waits(h) >= self.rules.hold + WINDOW) {
-            self.release(self.rules.hold, 0, out);
+        self.held.push_back(held);
+        let hold = self.rules.hold;
+        if self.rules.paper {
+            self.release(|s, h| s.scans - h.number >= SCANS, out);
+        } else if self.held.front().is_some_and(|h| self.travelled - h.travelled >= hold + WINDOW) {
+            self.release(|s, h| s.travelled - h.travelled >= hold, out);
         }
         if self.count > MOST {
-            self.release(f64::INFINITY, MOST / 2, out);
+            self.release(|s, _| s.count > MOST / 2, out);
         }
     }
 
@@ -116,7 +130,7 @@ impl Stage {
         for rcd in self.runs.finish() {
             self.keep(rcd);
         }
-        self.release(f64::NEG_INFINITY, 0, out);
+        self.release(|_, _| true, out);
     }
 
     /// Every feature of the log so far, and the regions that they are made of.
@@ -185,26 +199,27 @@ impl Stage {
         Known { features, regions: rcds }
     }
 
-    /// Releases readings that were held for `hold` metres, or while more than `most` are held.
-    fn release(&mut self, hold: f64, most: usize, out: &mut Vec<Update>) {
-        let ripe =
-            |s: &Stage| s.held.front().is_some_and(|h| s.travelled - h.travelled >= hold || s.count > most && most > 0);
-        while ripe(self) {
+    /// Releases the scans that are `ripe`, the oldest first.
+    fn release(&mut self, ripe: impl Fn(&Stage, &Held) -> bool, out: &mut Vec<Update>) {
+        while let Some(start) = self.held.front().filter(|h| ripe(self, h)).map(|h| h.at) {
             // Scans near each other share their features.
             let mut window = Vec::new();
-            let start = self.held.front().map(|h| h.at);
-            while ripe(self)
-                && self.held.front().map(|h| h.at).zip(start).is_some_and(|(a, b)| distance(a, b) <= 2.0 * WINDOW)
-            {
+            while self.held.front().is_some_and(|h| ripe(self, h) && distance(h.at, start) <= 2.0 * WINDOW) {
                 let Some(held) = self.held.pop_front() else { break };
                 self.count -= held.pings.len();
                 window.push(held);
             }
-            self.update(&window, out);
+            self.update(&window, &|_| true, out);
         }
     }
 
-    fn update(&mut self, window: &[Held], out: &mut Vec<Update>) {
+    /// The paper's rule: what a feature explains is applied at once. Gives what is left.
+    fn at_once(&mut self, scan: &Held, out: &mut Vec<Update>) -> Vec<Ping> {
+        self.update(std::slice::from_ref(scan), &|case| case == Case::Associated, out)
+    }
+
+    /// Decides the readings of scans near each other, and draws those whose case is `wanted`; gives the others.
+    fn update(&mut self, window: &[Held], wanted: &dyn Fn(Case) -> bool, out: &mut Vec<Update>) -> Vec<Ping> {
         let pings = || window.iter().flat_map(|h| &h.pings);
         let reach = pings().map(|p| p.reach + distance(p.at, p.centre())).fold(0.0, f64::max) + BEYOND;
         let mut place = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
@@ -213,13 +228,19 @@ impl Stage {
                 [place[0].min(x - reach), place[1].min(y - reach), place[2].max(x + reach), place[3].max(y + reach)];
         }
         let Known { features, .. } = self.around(place);
+        let mut rest = Vec::new();
         for held in window {
             let view = View::of(&features, held.at, reach, self.cells.resolution);
             for ping in &held.pings {
                 let decision = decide(ping, &features, &view, &self.rules);
-                self.tally.cases[decision.case as usize] += 1;
-                out.extend(draw(ping, &decision, &features, self.cells));
+                if wanted(decision.case) {
+                    self.tally.cases[decision.case as usize] += 1;
+                    out.extend(draw(ping, &decision, &features, self.cells));
+                } else {
+                    rest.push(*ping);
+                }
             }
         }
+        rest
     }
 }
