@@ -116,10 +116,10 @@ pub fn regions(pings: &[Ping]) -> Vec<Rcd> {
         }
         open = true;
     }
-    let turned = |k: usize| (k + n - first - 1) % n;
-    join(&mut runs, &turned);
     let steps: Vec<f64> = (0..n).filter(|k| joined(*k)).map(step).collect();
     let Some(alpha) = median(steps) else { return Vec::new() };
+    let ahead = |from: usize, to: usize| ((bearing(order[to]) - bearing(order[from])).rem_euclid(TAU) / alpha).round();
+    join(&mut runs, &ahead);
     runs.iter().flat_map(|run| parts(&order, run, alpha)).collect()
 }
 
@@ -156,22 +156,24 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-/// Joins runs of one surface that a stray echo or a missing one parts.
-fn join(runs: &mut Vec<Run>, place: &dyn Fn(usize) -> usize) {
+/// Joins runs of one surface that a stray echo or a missing one parts; `ahead`: how many steps on from one reading another is, once
+/// around the circle.
+fn join(runs: &mut Vec<Run>, ahead: &dyn Fn(usize, usize) -> f64) {
     let mut k = 0;
     while k < runs.len() {
-        let last = runs[k].members.last().map_or(0, |m| place(*m));
-        let next = (k + 1..runs.len())
-            .take_while(|j| place(runs[*j].members[0]) - last <= GAP + 1)
-            .find(|j| (runs[*j].median() - runs[k].median()).abs() <= 0.75 * tolerance(runs[k].median()));
-        match next {
-            Some(j) => {
-                let other = runs.remove(j);
-                for (member, range) in other.members.iter().zip(&other.ranges) {
-                    runs[k].push(*member, *range);
-                }
-            }
-            None => k += 1,
+        let (run, last) = (&runs[k], runs[k].members[runs[k].members.len() - 1]);
+        let next = (k + 1..runs.len()).chain(0..k).find(|j| {
+            ahead(last, runs[*j].members[0]) <= (GAP + 1) as f64
+                && (runs[*j].median() - run.median()).abs() <= 0.75 * tolerance(run.median())
+        });
+        let Some(j) = next else {
+            k += 1;
+            continue;
+        };
+        let other = runs.remove(j);
+        k -= usize::from(j < k);
+        for (member, range) in other.members.iter().zip(&other.ranges) {
+            runs[k].push(*member, *range);
         }
     }
 }

@@ -15,10 +15,11 @@ const NARROWEST: f64 = 420.0;
 const TICK: f64 = 7.0;
 const CIRCLE: f64 = 6.0;
 const CROSS: f64 = 4.0;
-/// Their colours: none is on the map's scale.
+/// Their colours: none is on the map's scale; and a light rim, as a map is blue where it is free.
 const WALL: &str = "#e0007a";
-const CORNER: &str = "#008a2e";
-const POINT: &str = "#7a2be2";
+const CORNER: &str = "#009a3e";
+const POINT: &str = "#111";
+const RIM: &str = "filter:drop-shadow(0 0 1px #fff) drop-shadow(0 0 1px #fff)";
 
 /// Where a place is in the picture.
 struct Frame {
@@ -63,7 +64,7 @@ pub(super) fn svg(known: &Known, grid: &GridSpec, map: bool) -> String {
              style=\"image-rendering:pixelated\" href=\"map.png\"/>\n"
         );
     }
-    svg += "<g clip-path=\"url(#map)\" fill=\"none\" stroke-width=\"1.5\">\n";
+    svg += &format!("<g clip-path=\"url(#map)\" fill=\"none\" stroke-width=\"1.5\" style=\"{RIM}\">\n");
     for wall in &features.walls {
         svg += &line(wall, &frame);
     }
