@@ -9,7 +9,9 @@ use crate::world::plane::{Point, cross, distance, dot, length, sub, times};
 /// A corner lies no farther inside either wall, metres.
 const INSIDE: f64 = 0.6;
 /// Corners nearer than this are one, metres.
-const SAME: f64 = 0.20;
+const SAME: f64 = 0.35;
+/// A corner that is so much nearer to its walls, metres, is as likely as one of twice the probability.
+const NEARER: f64 = 2.0;
 
 /// A corner that a point answers from may lie so far from what is known of its walls, metres.
 const REACH: f64 = 4.5;
@@ -39,7 +41,12 @@ pub fn corners(features: &Features, rcds: &[Rcd], path: &[[Point; 2]], rules: &R
             }
         }
     }
-    found.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    // A point answers for all corners about it: that with the shorter legs is likelier.
+    let likely = |c: &Corner| {
+        let legs: f64 = c.legs.iter().flatten().map(|[a, b]| distance(*a, *b)).sum();
+        c.probability * (-legs / NEARER).exp2()
+    };
+    found.sort_by(|a, b| likely(b).total_cmp(&likely(a)));
     let mut kept: Vec<Corner> = Vec::new();
     for corner in found {
         if kept.iter().all(|k| distance(k.at, corner.at) > SAME) {

@@ -46,15 +46,19 @@ struct Drawing<'a> {
 
 /// The update of a reading; `None`: it says nothing.
 pub fn draw(ping: &Ping, decision: &Decision, features: &Features, cells: Cells) -> Option<Update> {
-    let z = ping.range.unwrap_or(ping.reach);
+    let silent = ping.range.is_none();
+    if silent && decision.case == Case::Routine && ping.frees <= 0.0 {
+        return None;
+    }
+    // A missing echo frees up to a wall, or where none is known so far as its sensor is trusted.
+    let z = ping.range.unwrap_or(if decision.case == Case::Routine { ping.frees } else { ping.reach });
     let drawing = Drawing { ping, decision, cells, z };
     let (parts, routine) = match decision.case {
         Case::Associated => drawing.associated(features),
         Case::Outlier | Case::Behind => (Vec::new(), drawing.emptiness()),
-        Case::Routine if ping.range.is_none() => return None,
         Case::Routine => (Vec::new(), Some(drawing.routine(1.0))),
     };
-    Some(Update { reading: ping.reading(), number: ping.number, parts, routine })
+    Some(Update { reading: ping.reading(z), number: ping.number, parts, routine })
 }
 
 impl Drawing<'_> {

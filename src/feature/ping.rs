@@ -21,6 +21,8 @@ pub struct Ping {
     pub half_width: f64,
     /// Range up to which its echoes count, metres: a missing echo tells nothing of what is farther.
     pub reach: f64,
+    /// Up to where a missing echo frees its cone although nothing is known to stand behind, metres; 0: nowhere.
+    pub frees: f64,
 }
 
 impl Ping {
@@ -39,6 +41,7 @@ impl Ping {
             range: (z <= sensor.r_max).then_some(z),
             half_width: sensor.half_width,
             reach: sensor.hit_range.min(sensor.r_max),
+            frees: sensor.no_echo_range,
         })
     }
 
@@ -47,11 +50,9 @@ impl Ping {
         (self.record.robot.x, self.record.robot.y)
     }
 
-    /// The reading that the kernels take: a missing echo's range is `reach`.
-    pub fn reading(&self) -> Reading {
-        match self.range {
-            Some(range) => Reading { record: self.record, outcome: Outcome::Hit, range },
-            None => Reading { record: self.record, outcome: Outcome::NoEcho, range: self.reach },
-        }
+    /// The reading that the kernels take, of range z; a missing echo's is how far it frees, metres.
+    pub fn reading(&self, z: f64) -> Reading {
+        let outcome = if self.range.is_some() { Outcome::Hit } else { Outcome::NoEcho };
+        Reading { record: self.record, outcome, range: z }
     }
 }

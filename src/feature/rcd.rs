@@ -133,22 +133,17 @@ fn parts(order: &[&Ping], run: &Run, alpha: f64) -> Vec<Rcd> {
     }
     let turned = |k: &usize| cross(first.axis, order[*k].axis).atan2(dot(first.axis, order[*k].axis)).rem_euclid(TAU);
     let span = run.members.iter().map(turned).fold(0.0, f64::max);
-    let most = visible(beta, range, first.reach, LOUD);
-    let middle = most.min(span / 2.0);
-    if span <= 2.0 * most + 2.0 * alpha {
-        return region(order, &run.members, span / 2.0).into_iter().collect();
+    let most = 2.0 * visible(beta, range, first.reach, LOUD);
+    if span <= most + 2.0 * alpha {
+        return region(order, &run.members).into_iter().collect();
     }
-    let half: Vec<(Vec<usize>, f64)> = [(0.0, middle), (span - 2.0 * middle, span - middle)]
-        .into_iter()
-        .map(|(low, at)| {
-            let own = |k: &&usize| (low - 1e-9..=low + 2.0 * middle + 1e-9).contains(&turned(k));
-            (run.members.iter().filter(own).copied().collect(), at)
-        })
-        .collect();
-    half.into_iter()
-        .filter(|h| h.0.len() >= FEWEST)
-        .filter_map(|(members, _)| region(order, &members, middle))
-        .collect()
+    // What is heard at either end of it, as far as one surface is.
+    let within = |low: f64| {
+        let own = move |k: &&usize| (low - 1e-9..=low + most + 1e-9).contains(&turned(k));
+        run.members.iter().filter(own).copied().collect::<Vec<usize>>()
+    };
+    let halves = [within(0.0), within(span - most)];
+    halves.iter().filter(|h| h.len() >= FEWEST).filter_map(|h| region(order, h)).collect()
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -178,7 +173,7 @@ fn join(runs: &mut Vec<Run>, ahead: &dyn Fn(usize, usize) -> f64) {
     }
 }
 
-fn region(order: &[&Ping], members: &[usize], _half: f64) -> Option<Rcd> {
+fn region(order: &[&Ping], members: &[usize]) -> Option<Rcd> {
     let pings: Vec<&Ping> = members.iter().map(|k| order[*k]).collect();
     let first = pings.first()?;
     let sum = pings.iter().fold((0.0, 0.0), |s, p| add(s, p.axis));

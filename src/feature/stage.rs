@@ -24,6 +24,8 @@ const CIRCULAR: usize = 8;
 const WINDOW: f64 = 0.5;
 /// Features are looked for so much farther than a sensor reaches, metres.
 const BEYOND: f64 = 1.0;
+/// Between scans no farther apart the robot went straight, metres.
+const LONGEST_STEP: f64 = 2.0;
 /// The most readings that are held.
 const MOST: usize = 1 << 17;
 /// Regions from one place of one thing tell no more than the first: edges of these places, metres.
@@ -141,7 +143,9 @@ impl Stage {
     fn walk(&mut self, at: Point) {
         if let Some(last) = self.last.replace(at) {
             self.travelled += distance(last, at);
-            if self.walked.insert(both(squares(last, 0.1), squares(at, 0.1))) {
+            // Of the way between places far apart nothing is known.
+            let near = distance(last, at) <= LONGEST_STEP;
+            if near && self.walked.insert(both(squares(last, 0.1), squares(at, 0.1))) {
                 self.path.push(at, [last, at]);
             }
         }

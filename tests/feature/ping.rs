@@ -36,9 +36,9 @@ fn a_sensor_s_limits_hold() {
 #[test]
 fn the_kernels_get_a_missing_echo_as_far_as_echoes_count() {
     let ping = of(f64::INFINITY).unwrap();
-    assert_eq!((ping.reading().outcome, ping.reading().range, ping.reach), (Outcome::NoEcho, 4.0, 4.0));
+    assert_eq!((ping.reading(4.0).outcome, ping.reading(4.0).range, ping.reach), (Outcome::NoEcho, 4.0, 4.0));
     let ping = of(3.0).unwrap();
-    assert_eq!((ping.reading().outcome, ping.reading().range), (Outcome::Hit, 3.0));
+    assert_eq!((ping.reading(3.0).outcome, ping.reading(3.0).range), (Outcome::Hit, 3.0));
     assert_eq!((ping.at, ping.centre(), ping.number), ((1.1, 2.0), (1.0, 2.0), 7));
     assert!((ping.axis.0.abs() < 1e-15) && ping.axis.1 == 1.0);
 }
