@@ -240,7 +240,7 @@ impl Session {
         if let Settings::Features(_) = self.method.settings() {
             let (grid, sensors, method) = (&self.grid, self.sensors(), self.method.as_ref());
             let apply = |updates: &mut dyn Iterator<Item = Result<Update>>| {
-                update::apply(grid, sensors, method, backend, batch, updates, progress)
+                update::apply(grid, sensors, method, backend, batch.min(feature::WINDOW), updates, progress)
             };
             let ((reached, work), found) = self.associate(count, apply)?;
             let finished = mapper::finish(grid, method, backend, false)?;

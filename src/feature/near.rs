@@ -40,8 +40,20 @@ impl<T: Clone> Near<T> {
         self.things.is_empty()
     }
 
-    /// Those in the squares that a box x0, y0, x1, y1 meets, in the order they came.
-    pub fn within(&self, [x0, y0, x1, y1]: [f64; 4]) -> Vec<T> {
+    /// All, in the order they came.
+    pub fn all(&self) -> &[T] {
+        &self.things
+    }
+
+    /// The middles of the squares that hold some, from left to right and from the bottom up; so many metres across.
+    pub fn squares(&self) -> (Vec<Point>, f64) {
+        let mut squares: Vec<[i64; 2]> = self.squares.keys().copied().collect();
+        squares.sort_unstable();
+        (squares.into_iter().map(|[i, j]| ((i as f64 + 0.5) * SQUARE, (j as f64 + 0.5) * SQUARE)).collect(), SQUARE)
+    }
+
+    /// The places in the list of those in the squares that a box x0, y0, x1, y1 meets, in the order they came.
+    pub fn within(&self, [x0, y0, x1, y1]: [f64; 4]) -> Vec<u32> {
         let ([i0, j0], [i1, j1]) = (square((x0, y0)), square((x1, y1)));
         let many = (i1.saturating_sub(i0).saturating_mul(j1.saturating_sub(j0))) as usize > self.squares.len();
         let mut found: Vec<u32> = if many {
@@ -52,6 +64,6 @@ impl<T: Clone> Near<T> {
             squares.filter_map(|s| self.squares.get(&s)).flatten().copied().collect()
         };
         found.sort_unstable();
-        found.into_iter().map(|k| self.things[k as usize].clone()).collect()
+        found
     }
 }

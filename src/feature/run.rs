@@ -13,10 +13,11 @@ use serde::Serialize;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
-/// Windows that wait for the backend.
-const WAITING: usize = 2;
-/// Updates that are handed over together, at least.
+/// Updates that are handed over together, at least, and how many times as many may wait for the backend.
 const TOGETHER: usize = 1024;
+const WAITING: usize = 16;
+/// A backend's windows should be no larger than this, updates: while it applies one the next is found.
+pub const WINDOW: usize = 8192;
 
 /// How a log's readings were associated.
 #[derive(Debug, Clone, Default)]
@@ -166,9 +167,10 @@ pub fn run<T, I: Iterator<Item = Result<Record>>>(
             }
             feed.finish(&mut ready);
             give(&mut ready, &mut clock);
-            let known = feed.stage.known();
-            busy += clock.elapsed();
+            // The kernels needn't wait for the whole.
+            drop(send);
             let times = Times { stage: busy.as_secs_f64(), ..Times::default() };
+            let known = feed.stage.known();
             Some(Found { tally: feed.stage.tally, known, times })
         });
         let mut taken = Taken { receive, ready: Vec::new().into_iter(), waited: Duration::ZERO };

@@ -6,6 +6,7 @@ use super::draw::{Cells, draw};
 use super::features::Known;
 use super::limit::View;
 use super::line::lines;
+use super::merged::Merged;
 use super::near::Near;
 use super::phantom::drop_phantoms;
 use super::ping::Ping;
@@ -16,7 +17,7 @@ use super::update::Update;
 use super::vote::vote;
 use super::wall::gather;
 use crate::world::plane::{Point, distance};
-use std::collections::{BTreeMap, HashSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, HashSet, VecDeque};
 
 /// Readings of one sensor in a scan from which on it is taken for a circular one.
 const CIRCULAR: usize = 8;
@@ -24,6 +25,11 @@ const CIRCULAR: usize = 8;
 const WINDOW: f64 = 0.5;
 /// Features are looked for so much farther than a sensor reaches, metres.
 const BEYOND: f64 = 1.0;
+/// With more regions than this the features of the whole log are found block by block: so many squares a block, and so much
+/// around it, metres.
+const LARGE: usize = 2000;
+const BLOCK: f64 = 8.0;
+const MARGIN: f64 = 6.0;
 /// Between scans no farther apart the robot went straight, metres.
 const LONGEST_STEP: f64 = 2.0;
 /// The most readings that are held.
@@ -135,9 +141,24 @@ impl Stage {
         self.release(|_, _| true, out);
     }
 
-    /// Every feature of the log so far, and the regions that they are made of.
+    /// Every feature of the log so far: of a large one those found square by square.
     pub fn known(&self) -> Known {
-        self.around([f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY])
+        const ALL: [f64; 4] = [f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY];
+        if self.regions.len() <= LARGE {
+            return self.around(ALL).0;
+        }
+        let mut all = Merged::new(self.regions.all().to_vec());
+        let (middles, edge) = self.regions.squares();
+        // Some squares at a time: most of what is looked at for one is looked at for those beside it, too.
+        let block = BLOCK * edge;
+        let blocks: BTreeSet<[i64; 2]> = middles.iter().map(|m| squares(*m, block)).collect();
+        for [i, j] in blocks {
+            let [x, y] = [i, j].map(|v| v as f64 * block);
+            let place = [x - MARGIN, y - MARGIN, x + block + MARGIN, y + block + MARGIN];
+            let (known, ids) = self.around(place);
+            all.add(&known, &ids, |at| squares(at, block) == [i, j]);
+        }
+        all.known
     }
 
     fn walk(&mut self, at: Point) {
@@ -177,9 +198,11 @@ impl Stage {
         }
     }
 
-    /// The features in a box x0, y0, x1, y1.
-    fn around(&self, place: [f64; 4]) -> Known {
-        let (mut rcds, path) = (self.regions.within(place), self.path.within(place));
+    /// The features in a box x0, y0, x1, y1, and which regions their own are.
+    fn around(&self, place: [f64; 4]) -> (Known, Vec<u32>) {
+        let ids = self.regions.within(place);
+        let mut rcds: Vec<Rcd> = ids.iter().map(|k| self.regions.all()[*k as usize].clone()).collect();
+        let path: Vec<[Point; 2]> = self.path.within(place).iter().map(|k| self.path.all()[*k as usize]).collect();
         let rules = &self.rules;
         if rules.points && !rules.paper {
             vote(&mut rcds);
@@ -200,7 +223,7 @@ impl Stage {
         if rules.lines && !rules.paper {
             features.lines = lines(&features, &rcds, &path);
         }
-        Known { features, regions: rcds }
+        (Known { features, regions: rcds }, ids)
     }
 
     /// Releases the scans that are `ripe`, the oldest first.
@@ -231,7 +254,7 @@ impl Stage {
             place =
                 [place[0].min(x - reach), place[1].min(y - reach), place[2].max(x + reach), place[3].max(y + reach)];
         }
-        let Known { features, .. } = self.around(place);
+        let (Known { features, .. }, _) = self.around(place);
         let mut rest = Vec::new();
         for held in window {
             let view = View::of(&features, held.at, reach, self.cells.resolution);
