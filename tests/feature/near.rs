@@ -1,0 +1,37 @@
+//! Things by squares of 2 m: what a box meets, in the order it came.
+
+use crate::common::Numbers;
+use echogrid::feature::near::Near;
+
+#[test]
+fn a_box_gives_all_within_it_in_the_order_they_came_and_little_else() {
+    let mut numbers = Numbers(1);
+    let mut things = Near::default();
+    assert!(things.is_empty() && things.within([f64::NEG_INFINITY, -1.0, f64::INFINITY, 1.0]).is_empty());
+    let places: Vec<_> = (0..2000).map(|_| (100.0 * numbers.next() - 50.0, 100.0 * numbers.next() - 50.0)).collect();
+    places.iter().enumerate().for_each(|(k, at)| things.push(*at, k));
+    assert_eq!(things.len(), 2000);
+    for _ in 0..50 {
+        let (x, y, w, h) = (90.0 * numbers.next() - 50.0, 90.0 * numbers.next() - 50.0, numbers.next(), numbers.next());
+        let inside = |k: &usize, rim: f64| {
+            let (px, py) = places[*k];
+            px >= x - rim && px <= x + 9.0 * w + rim && py >= y - rim && py <= y + 9.0 * h + rim
+        };
+        let found = things.within([x, y, x + 9.0 * w, y + 9.0 * h]);
+        assert!(found.windows(2).all(|w| w[0] < w[1]));
+        assert!((0..2000).filter(|k| inside(k, 0.0)).all(|k| found.binary_search(&k).is_ok()));
+        assert!(found.iter().all(|k| inside(k, 2.0)), "no more than a square around it");
+    }
+}
+
+#[test]
+fn a_box_without_end_gives_everything_and_far_places_are_places() {
+    let mut things = Near::default();
+    for (k, at) in [(0.0, 0.0), (1e6, -1e6), (-1e12, 1e12), (1e300, 0.0)].into_iter().enumerate() {
+        things.push(at, k);
+    }
+    let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+    assert_eq!(things.within([low, low, high, high]), [0, 1, 2, 3]);
+    assert_eq!(things.within([1e6 - 1.0, -1e6 - 1.0, 1e6 + 1.0, -1e6 + 1.0]), [1]);
+    assert_eq!(things.within([-1.0, -1.0, 1e7, 1.0]), [0]);
+}
