@@ -10,7 +10,9 @@ fn a_box_gives_all_within_it_in_the_order_they_came_and_little_else() {
     assert!(things.is_empty() && things.within([f64::NEG_INFINITY, -1.0, f64::INFINITY, 1.0]).is_empty());
     let places: Vec<_> = (0..2000).map(|_| (100.0 * numbers.next() - 50.0, 100.0 * numbers.next() - 50.0)).collect();
     places.iter().enumerate().for_each(|(k, at)| things.push(*at, k));
-    assert_eq!(things.len(), 2000);
+    assert_eq!((things.len(), things.all().len()), (2000, 2000));
+    let (squares, edge) = things.squares();
+    assert!(places.iter().all(|p| squares.iter().any(|s| (p.0 - s.0).abs() <= edge && (p.1 - s.1).abs() <= edge)));
     for _ in 0..50 {
         let (x, y, w, h) = (90.0 * numbers.next() - 50.0, 90.0 * numbers.next() - 50.0, numbers.next(), numbers.next());
         let inside = |k: &usize, rim: f64| {
@@ -18,6 +20,7 @@ fn a_box_gives_all_within_it_in_the_order_they_came_and_little_else() {
             px >= x - rim && px <= x + 9.0 * w + rim && py >= y - rim && py <= y + 9.0 * h + rim
         };
         let found = things.within([x, y, x + 9.0 * w, y + 9.0 * h]);
+        let found: Vec<usize> = found.iter().map(|k| things.all()[*k as usize]).collect();
         assert!(found.windows(2).all(|w| w[0] < w[1]));
         assert!((0..2000).filter(|k| inside(k, 0.0)).all(|k| found.binary_search(&k).is_ok()));
         assert!(found.iter().all(|k| inside(k, 2.0)), "no more than a square around it");

@@ -195,3 +195,25 @@ fn an_entry_limit_that_splits_batches_changes_nothing() {
         assert_same(&format!("{name}, split by the entry limit"), &run, &scene.cpu(settings));
     }
 }
+
+/// Mesa's software adapter ends loops without a word once all of a thread's have gone round 65535 times.
+#[test]
+fn more_readings_over_one_tile_than_a_software_adapter_goes_round_its_loops() {
+    let Some(mut gpu) = gpu() else { return };
+    let few = scenes::updates();
+    for (name, copies) in [("bayes", 70_000), ("features", 3_000)] {
+        let (settings, mut scene) = (Settings::of(name).unwrap(), few.clone());
+        if name == "bayes" {
+            scene.updates.clear();
+            scene.items = few.items.iter().cycle().take(1).cycle().take(copies).cloned().collect();
+        } else {
+            let near: Vec<_> = (0..few.items.len()).cycle().take(copies).collect();
+            scene.items = near.iter().map(|k| few.items[*k]).collect();
+            scene.updates = near.iter().map(|k| few.updates[*k].clone()).collect();
+        }
+        let method = method::make(settings);
+        let on_cpu = scene.run(method.as_ref(), &mut Cpu::new(0).unwrap(), copies);
+        let on_gpu = scene.run(method.as_ref(), &mut *gpu, copies);
+        assert_eq!(on_gpu.visits, on_cpu.visits, "{name}");
+    }
+}
