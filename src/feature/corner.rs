@@ -44,7 +44,9 @@ pub fn corners(features: &Features, rcds: &[Rcd], path: &[[Point; 2]], rules: &R
     // A point answers for all corners about it: that with the shorter legs is likelier.
     let likely = |c: &Corner| {
         let legs: f64 = c.legs.iter().flatten().map(|[a, b]| distance(*a, *b)).sum();
-        c.probability * (-legs / NEARER).exp2()
+        // A wall of one region may be none.
+        let sure = |k: &usize| 1.0 - 0.5f64.powi(walls[*k].rcds.len().min(30) as i32);
+        c.probability * (-legs / NEARER).exp2() * c.walls.iter().map(sure).product::<f64>()
     };
     found.sort_by(|a, b| likely(b).total_cmp(&likely(a)));
     let mut kept: Vec<Corner> = Vec::new();

@@ -1,10 +1,10 @@
 //! A decided reading as an update: its free regions as fans, its occupied lines.
 
 use super::decide::{BEARINGS, Case, Decision};
-use super::features::{Corner, Features, Wall};
+use super::features::{Corner, Features, Wall, hit};
 use super::ping::Ping;
 use super::update::{Fan, Part, Routine, Update};
-use crate::world::plane::{Point, add, dot, from_segment, times};
+use crate::world::plane::{Point, add, distance, dot, times};
 
 /// A wall is occupied, and freed before, so much beyond its ends, metres.
 const BEYOND: f64 = 0.15;
@@ -22,20 +22,6 @@ pub struct Cells {
 
 /// A fan's side may pass its vertices by so much, cells: fewer sides are less work.
 const STRAIGHT: f64 = 0.05;
-
-/// A line of points without those that lie so near to the line between their neighbours that are kept.
-fn simplified(points: Vec<Point>, within: f64) -> Vec<Point> {
-    let (mut kept, mut from) = (vec![points[0]], 0);
-    for to in 2..points.len() {
-        let between = &points[from + 1..to];
-        if between.iter().any(|p| from_segment(*p, points[from], points[to]) > within) {
-            from = to - 1;
-            kept.push(points[from]);
-        }
-    }
-    kept.extend(points.last());
-    kept
-}
 
 struct Drawing<'a> {
     ping: &'a Ping,
@@ -66,9 +52,21 @@ impl Drawing<'_> {
     fn fan(&self, far: impl Fn(usize) -> f64) -> Option<Fan> {
         // The robot stands there: a quarter of a cell is free whatever a limit says, and no triangle is without area.
         let least = 0.25 * self.cells.resolution;
-        let vertices: Vec<Point> =
-            (0..BEARINGS).map(|k| add(self.ping.at, times(self.decision.rays[k], far(k).max(least)))).collect();
-        Some(Fan { vertices: simplified(vertices, STRAIGHT * self.cells.resolution) })
+        let (from, rays) = (self.ping.at, &self.decision.rays);
+        let all: [Point; BEARINGS] = std::array::from_fn(|k| add(from, times(rays[k], far(k).max(least))));
+        // Without those that lie, on their rays, on the side between their neighbours that are kept.
+        let within = STRAIGHT * self.cells.resolution;
+        let (mut vertices, mut last) = (vec![all[0]], 0);
+        for to in 2..BEARINGS {
+            let side = [all[last], all[to]];
+            let on = |k: usize| hit(from, rays[k], side).is_some_and(|d| (d - distance(from, all[k])).abs() <= within);
+            if !(last + 1..to).all(on) {
+                last = to - 1;
+                vertices.push(all[last]);
+            }
+        }
+        vertices.push(all[BEARINGS - 1]);
+        Some(Fan { vertices })
     }
 
     /// Where freeing ends at a bearing for the free limit's sake.

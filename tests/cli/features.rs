@@ -104,7 +104,10 @@ fn degenerate_scans_do_no_harm() {
         ("all equal", circle(|_| "1.5".into())),
         ("a stray each second", circle(|k| if k % 2 == 0 { "1.5".into() } else { "4".into() })),
         ("one place again and again", format!("{HEADER}{}", crate::common::line("0", "1.5").repeat(500))),
-        ("jumps", (0..9).map(|k| crate::common::line(&format!("{}", k * 10), "1.5")).fold(HEADER.into(), |a, b| a + &b)),
+        (
+            "jumps",
+            (0..9).map(|k| crate::common::line(&format!("{}", k * 10), "1.5")).fold(HEADER.into(), |a, b| a + &b),
+        ),
     ];
     for (what, log) in logs {
         place.write("log.jsonl", log);

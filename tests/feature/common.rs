@@ -21,7 +21,7 @@ pub fn ping(at: Point, degrees: f64, range: Option<f64>) -> Ping {
     let pose = Pose { x: at.0, y: at.1, heading: degrees.to_radians() };
     let z = range.unwrap_or(f64::INFINITY);
     let record = Record { t: 0.0, scan: 0, sensor: 0, robot: pose, pose, range: z, label: None, line: 1 };
-    Ping { record, number: 0, at, axis: way(degrees), range, half_width: 15f64.to_radians(), reach: 5.0 }
+    Ping { record, number: 0, at, axis: way(degrees), range, half_width: 15f64.to_radians(), reach: 5.0, frees: 0.0 }
 }
 
 /// A dense circular scan: what is heard at each of its bearings, in degrees from 0 in steps of 1.8.

@@ -271,7 +271,7 @@ fn verify_names_the_readings() {
         strict: true,
     };
     let session = Session::open(&path, &request).unwrap();
-    assert_eq!(session.updates(7).unwrap().count(), 7);
+    assert_eq!(session.updates(7).unwrap().len(), 7);
     let oracle = session.oracle().unwrap();
     let check = |backend: &mut dyn Backend| {
         let mapped = session.map(backend, 33, &|_| {}).unwrap();

@@ -45,6 +45,7 @@ pub fn info() -> RunInfo {
         adapter: None,
         bad_lines: BadLines { count: 1, first: vec!["logs/a.csv:3: no range".into()] },
         classes: Vec::new(),
+        features: None,
     }
 }
 
