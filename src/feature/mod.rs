@@ -2,6 +2,7 @@
 //! associates each reading with them, and says what each updates, where, and when.
 
 pub mod associate;
+pub mod atlas;
 pub mod corner;
 pub mod decide;
 pub mod draw;

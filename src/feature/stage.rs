@@ -1,23 +1,17 @@
 //! The stage: scans in, updates out, each when its features are as good as they get.
 
-use super::corner::{corners, cut};
+use super::atlas::Atlas;
 use super::decide::{Case, decide};
 use super::draw::{Cells, draw};
 use super::features::Known;
 use super::limit::View;
-use super::line::lines;
-use super::merged::Merged;
-use super::near::Near;
-use super::phantom::drop_phantoms;
 use super::ping::Ping;
 use super::rcd::{Rcd, regions};
 use super::ring::Runs;
 use super::rules::Rules;
 use super::update::Update;
-use super::vote::vote;
-use super::wall::gather;
 use crate::world::plane::{Point, distance};
-use std::collections::{BTreeMap, BTreeSet, HashSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 
 /// Readings of one sensor in a scan from which on it is taken for a circular one.
 const CIRCULAR: usize = 8;
@@ -25,19 +19,8 @@ const CIRCULAR: usize = 8;
 const WINDOW: f64 = 0.5;
 /// Features are looked for so much farther than a sensor reaches, metres.
 const BEYOND: f64 = 1.0;
-/// With more regions than this the features of the whole log are found block by block: so many squares a block, and so much
-/// around it, metres.
-const LARGE: usize = 2000;
-const BLOCK: f64 = 8.0;
-const MARGIN: f64 = 6.0;
-/// Between scans no farther apart the robot went straight, metres.
-const LONGEST_STEP: f64 = 2.0;
 /// The most readings that are held.
 const MOST: usize = 1 << 17;
-/// Regions from one place of one thing tell no more than the first: edges of these places, metres.
-const SAME_CENTRE: f64 = 0.3;
-const SAME_FOOT: f64 = 0.1;
-
 /// What became of the readings, and what was found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Tally {
@@ -65,11 +48,8 @@ struct Held {
 pub struct Stage {
     rules: Rules,
     cells: Cells,
-    regions: Near<Rcd>,
-    known: HashSet<[i64; 4]>,
+    atlas: Atlas,
     runs: Runs,
-    path: Near<[Point; 2]>,
-    walked: HashSet<[i64; 4]>,
     last: Option<Point>,
     travelled: f64,
     scans: u64,
@@ -79,26 +59,14 @@ pub struct Stage {
     pub tally: Tally,
 }
 
-/// Whole numbers of squares.
-fn squares(at: Point, edge: f64) -> [i64; 2] {
-    [at.0, at.1].map(|v| (v / edge).floor() as i64)
-}
-
-fn both([a, b]: [i64; 2], [c, d]: [i64; 2]) -> [i64; 4] {
-    [a, b, c, d]
-}
-
 impl Stage {
     /// A stage that knows nothing.
     pub fn new(rules: Rules, cells: Cells) -> Stage {
         Stage {
             rules,
             cells,
-            regions: Near::default(),
-            known: HashSet::new(),
+            atlas: Atlas::default(),
             runs: Runs::default(),
-            path: Near::default(),
-            walked: HashSet::new(),
             last: None,
             travelled: 0.0,
             scans: 0,
@@ -112,7 +80,10 @@ impl Stage {
     pub fn scan(&mut self, pings: Vec<Ping>, out: &mut Vec<Update>) {
         let Some(first) = pings.first() else { return };
         let at = first.centre();
-        self.walk(at);
+        if let Some(last) = self.last.replace(at) {
+            self.travelled += distance(last, at);
+            self.atlas.walk(last, at);
+        }
         self.look(&pings);
         self.scans += 1;
         let mut held = Held { pings, at, travelled: self.travelled, number: self.scans };
@@ -141,35 +112,9 @@ impl Stage {
         self.release(|_, _| true, out);
     }
 
-    /// Every feature of the log so far: of a large one those found square by square.
+    /// Every feature of the log so far.
     pub fn known(&self) -> Known {
-        const ALL: [f64; 4] = [f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY];
-        if self.regions.len() <= LARGE {
-            return self.around(ALL).0;
-        }
-        let mut all = Merged::new(self.regions.all().to_vec());
-        let (middles, edge) = self.regions.squares();
-        // Some squares at a time: most of what is looked at for one is looked at for those beside it, too.
-        let block = BLOCK * edge;
-        let blocks: BTreeSet<[i64; 2]> = middles.iter().map(|m| squares(*m, block)).collect();
-        for [i, j] in blocks {
-            let [x, y] = [i, j].map(|v| v as f64 * block);
-            let place = [x - MARGIN, y - MARGIN, x + block + MARGIN, y + block + MARGIN];
-            let (known, ids) = self.around(place);
-            all.add(&known, &ids, |at| squares(at, block) == [i, j]);
-        }
-        all.known
-    }
-
-    fn walk(&mut self, at: Point) {
-        if let Some(last) = self.last.replace(at) {
-            self.travelled += distance(last, at);
-            // Of the way between places far apart nothing is known.
-            let near = distance(last, at) <= LONGEST_STEP;
-            if near && self.walked.insert(both(squares(last, 0.1), squares(at, 0.1))) {
-                self.path.push(at, [last, at]);
-            }
-        }
+        self.atlas.known(&self.rules)
     }
 
     /// Finds the scan's regions.
@@ -193,37 +138,7 @@ impl Stage {
 
     fn keep(&mut self, rcd: Rcd) {
         self.tally.regions += 1;
-        if self.known.insert(both(squares(rcd.centre, SAME_CENTRE), squares(rcd.foot, SAME_FOOT))) {
-            self.regions.push(rcd.foot, rcd);
-        }
-    }
-
-    /// The features in a box x0, y0, x1, y1, and which regions their own are.
-    fn around(&self, place: [f64; 4]) -> (Known, Vec<u32>) {
-        let ids = self.regions.within(place);
-        let mut rcds: Vec<Rcd> = ids.iter().map(|k| self.regions.all()[*k as usize].clone()).collect();
-        let path: Vec<[Point; 2]> = self.path.within(place).iter().map(|k| self.path.all()[*k as usize]).collect();
-        let rules = &self.rules;
-        if rules.points && !rules.paper {
-            vote(&mut rcds);
-        }
-        let mut features = gather(&mut rcds, rules);
-        if rules.phantoms && !rules.paper {
-            drop_phantoms(&mut features, &rcds, &path);
-        }
-        if rules.corners {
-            features.corners = corners(&features, &rcds, &path, rules);
-            if rules.phantoms && !rules.paper {
-                // Legs hide phantoms, too, which may have stood in the way of corners.
-                drop_phantoms(&mut features, &rcds, &path);
-                features.corners = corners(&features, &rcds, &path, rules);
-            }
-            cut(&mut features);
-        }
-        if rules.lines && !rules.paper {
-            features.lines = lines(&features, &rcds, &path);
-        }
-        (Known { features, regions: rcds }, ids)
+        self.atlas.keep(rcd);
     }
 
     /// Releases the scans that are `ripe`, the oldest first.
@@ -254,7 +169,7 @@ impl Stage {
             place =
                 [place[0].min(x - reach), place[1].min(y - reach), place[2].max(x + reach), place[3].max(y + reach)];
         }
-        let (Known { features, .. }, _) = self.around(place);
+        let (Known { features, .. }, _) = self.atlas.around(place, &self.rules);
         let mut rest = Vec::new();
         for held in window {
             let view = View::of(&features, held.at, reach, self.cells.resolution);
