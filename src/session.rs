@@ -93,7 +93,7 @@ impl Session {
             }
             options.kind = Some(Kind::Sonar);
         }
-        let log = Log::open(path, &options)?;
+        let log = Log::open(path, &options).map_err(|e| lasers_only(path, request, e))?;
         let mut sensors = log.header().sensors.clone();
         if request.settings == Settings::Truth {
             sensors.iter_mut().for_each(|s| limit(s, &options.overrides));
@@ -142,7 +142,12 @@ impl Session {
     /// What mapping takes at most, bytes, `batch` readings at a time.
     pub fn memory(&self, batch: usize) -> u64 {
         let batch = batch.min(usize::try_from(self.survey.counts.used).unwrap_or(usize::MAX));
-        memory::needed(&self.grid, self.method.as_ref(), batch)
+        let stage = match self.method.settings() {
+            // Missing echoes are held, too.
+            Settings::Features(_) => feature::memory(self.survey.counts.read),
+            _ => 0,
+        };
+        memory::needed(&self.grid, self.method.as_ref(), batch) + stage
     }
 
     /// Fails where a run needs more than the cap, or than the machine has; names the pose that made the grid so large.
@@ -288,6 +293,19 @@ impl Session {
         };
         let counts = Counts { outside: map.outside, empty_arc: map.empty_arc, wide: map.wide, ..self.survey.counts };
         Ok(Mapped { finished: layers::from_oracle(&map, self.method.as_ref()), counts, work: Work::default(), found })
+    }
+}
+
+/// The error of a log that has no sonar for method features, which nobody asked to leave its lasers out.
+fn lasers_only(path: &std::path::Path, request: &Request, error: Error) -> Error {
+    let laser = log::Options { kind: Some(Kind::Laser), ..request.log.clone() };
+    let sonar_wanted = matches!(request.settings, Settings::Features(_)) && request.log.kind.is_none();
+    match sonar_wanted && Log::open(path, &laser).is_ok() {
+        true => Error::input(
+            path,
+            "it holds laser readings alone, and method features finds walls in a sonar's: map it with --method bayes",
+        ),
+        false => error,
     }
 }
 

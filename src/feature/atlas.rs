@@ -11,7 +11,7 @@ use super::rules::Rules;
 use super::vote::vote;
 use super::wall::gather;
 use crate::world::plane::{Point, distance};
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// With more regions than this the features of the whole log are found block by block: so many squares a block, and so much
 /// around it, metres.
@@ -24,6 +24,10 @@ const LONGEST_STEP: f64 = 2.0;
 const SAME_CENTRE: f64 = 0.3;
 const SAME_FOOT: f64 = 0.1;
 
+/// Nor do more than so many of one thing from one side: edge of such a place, metres, and angle, radians.
+const ENOUGH: u8 = 4;
+const SAME_THING: f64 = 0.2;
+const SIDE: f64 = 0.35;
 /// Edge of the places between which a step counts once, metres.
 const SAME_STEP: f64 = 0.1;
 
@@ -32,6 +36,8 @@ const SAME_STEP: f64 = 0.1;
 pub struct Atlas {
     regions: Near<Rcd>,
     known: HashSet<[i64; 4]>,
+    /// How many regions there are of one thing, seen from one side.
+    told: HashMap<[i64; 3], u8>,
     path: Near<[Point; 2]>,
     walked: HashSet<[i64; 4]>,
 }
@@ -57,7 +63,11 @@ impl Atlas {
 
     /// Keeps a region that tells something new.
     pub fn keep(&mut self, rcd: Rcd) {
-        if self.known.insert(both(squares(rcd.centre, SAME_CENTRE), squares(rcd.foot, SAME_FOOT))) {
+        let side = (rcd.normal.1.atan2(rcd.normal.0) / SIDE).floor() as i64;
+        let [x, y] = squares(rcd.foot, SAME_THING);
+        let told = self.told.entry([x, y, side]).or_default();
+        if *told < ENOUGH && self.known.insert(both(squares(rcd.centre, SAME_CENTRE), squares(rcd.foot, SAME_FOOT))) {
+            *told += 1;
             self.regions.push(rcd.foot, rcd);
         }
     }

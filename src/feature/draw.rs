@@ -23,6 +23,9 @@ pub struct Cells {
 /// A fan's side may pass its vertices by so much, cells: fewer sides are less work.
 const STRAIGHT: f64 = 0.05;
 
+/// Nothing that is drawn lies farther from the sensor, cells: the kernels take 512.
+const FARTHEST: f64 = 511.0;
+
 struct Drawing<'a> {
     ping: &'a Ping,
     decision: &'a Decision,
@@ -44,16 +47,28 @@ pub fn draw(ping: &Ping, decision: &Decision, features: &Features, cells: Cells)
         Case::Outlier | Case::Behind => (Vec::new(), drawing.emptiness()),
         Case::Routine => (Vec::new(), Some(drawing.routine(1.0))),
     };
-    Some(Update { reading: ping.reading(z), number: ping.number, parts, routine })
+    let mut update = Update { reading: ping.reading(z), number: ping.number, parts, routine };
+    // The kernels take no more; a corner just beyond a sonar's reach may be farther.
+    let most = FARTHEST * cells.resolution;
+    for part in &mut update.parts {
+        part.occupied.retain(|line| line.iter().all(|p| distance(*p, ping.at) <= most));
+    }
+    Some(update)
 }
 
 impl Drawing<'_> {
+    /// How far a limit matters: a little beyond the arc.
+    fn far(&self) -> f64 {
+        self.z + self.cells.epsilon + 2.0 * self.cells.resolution
+    }
+
     /// The fan whose vertices lie that far at each bearing.
     fn fan(&self, far: impl Fn(usize) -> f64) -> Option<Fan> {
         // The robot stands there: a quarter of a cell is free whatever a limit says, and no triangle is without area.
         let least = 0.25 * self.cells.resolution;
         let (from, rays) = (self.ping.at, &self.decision.rays);
-        let all: [Point; BEARINGS] = std::array::from_fn(|k| add(from, times(rays[k], far(k).max(least))));
+        let most = FARTHEST * self.cells.resolution;
+        let all: [Point; BEARINGS] = std::array::from_fn(|k| add(from, times(rays[k], far(k).max(least).min(most))));
         // Without those that lie, on their rays, on the side between their neighbours that are kept.
         let within = STRAIGHT * self.cells.resolution;
         let (mut vertices, mut last) = (vec![all[0]], 0);
@@ -82,7 +97,7 @@ impl Drawing<'_> {
     }
 
     fn routine(&self, weight: f64) -> Routine {
-        let far = self.z + 1.0;
+        let far = self.far();
         let limits = &self.decision.limits;
         let limited = limits.iter().any(|f| *f < far);
         let free = if limited { self.fan(|k| self.margin(k).min(far)) } else { None };
@@ -94,7 +109,7 @@ impl Drawing<'_> {
     fn emptiness(&self) -> Option<Routine> {
         let least = self.decision.before.iter().copied().fold(f64::INFINITY, f64::min);
         let far = |k: usize| if self.decision.limits[k].is_finite() { self.margin(k) } else { least };
-        let free = self.fan(|k| far(k).min(self.z + 1.0));
+        let free = self.fan(|k| far(k).min(self.far()));
         Some(Routine { weight: 1.0, free, arc: None, occupies: false })
     }
 

@@ -5,20 +5,18 @@ use super::rcd::Rcd;
 use crate::world::plane::Point;
 use std::collections::BTreeMap;
 
-/// Features whose ends agree to this are one, metres.
-const SAME: f64 = 0.01;
-
 /// The features so far.
 pub struct Merged {
     /// They themselves, over all regions.
     pub known: Known,
-    walls: BTreeMap<[i64; 4], usize>,
+    /// Which wall a region is of.
+    of: BTreeMap<usize, usize>,
 }
 
 impl Merged {
     /// None yet, of these regions.
     pub fn new(regions: Vec<Rcd>) -> Merged {
-        Merged { known: Known { regions, ..Known::default() }, walls: BTreeMap::new() }
+        Merged { known: Known { regions, ..Known::default() }, of: BTreeMap::new() }
     }
 
     /// Adds those of a part that lie `inside` of what is its own, and the walls of its corners; `ids` says which of all regions the
@@ -43,13 +41,21 @@ impl Merged {
         }
     }
 
-    /// The place of a wall, which may be there already.
+    /// The place of a wall; with one that has a region of it it is one.
     fn wall(&mut self, wall: Wall) -> usize {
-        let [a, b] = wall.ends();
         let walls = &mut self.known.features.walls;
-        *self.walls.entry([a.0, a.1, b.0, b.1].map(|v| (v / SAME).round() as i64)).or_insert_with(|| {
+        let Some(k) = wall.rcds.iter().find_map(|r| self.of.get(r)).copied() else {
+            self.of.extend(wall.rcds.iter().map(|r| (*r, walls.len())));
             walls.push(wall);
-            walls.len() - 1
-        })
+            return walls.len() - 1;
+        };
+        let there = &mut walls[k];
+        for s in wall.ends().map(|end| there.place(end)) {
+            there.extent = [there.extent[0].min(s), there.extent[1].max(s)];
+        }
+        let fresh = wall.rcds.iter().filter(|r| self.of.insert(**r, k).is_none());
+        there.rcds.extend(fresh);
+        there.rcds.sort_unstable();
+        k
     }
 }

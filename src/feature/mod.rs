@@ -26,6 +26,6 @@ pub use features::{Corner, Features, Known, Spot, Wall};
 pub use ping::Ping;
 pub use rcd::{Rcd, Source};
 pub use rules::Rules;
-pub use run::{Found, Summary, Times, WINDOW, run};
+pub use run::{Found, Summary, Times, WINDOW, memory, run};
 pub use stage::{Stage, Tally};
 pub use update::{Fan, Part, Routine, Update};

@@ -156,11 +156,14 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 fn join(runs: &mut Vec<Run>, ahead: &dyn Fn(usize, usize) -> f64) {
     let mut k = 0;
     while k < runs.len() {
-        let (run, last) = (&runs[k], runs[k].members[runs[k].members.len() - 1]);
-        let next = (k + 1..runs.len()).chain(0..k).find(|j| {
-            ahead(last, runs[*j].members[0]) <= (GAP + 1) as f64
-                && (runs[*j].median() - run.median()).abs() <= 0.75 * tolerance(run.median())
-        });
+        let (run, first, last) = (&runs[k], runs[k].members[0], runs[k].members[runs[k].members.len() - 1]);
+        // They lie in the order of their bearings, once around; strays that were joined over lie within the run.
+        let within = |j: &usize| ahead(first, runs[*j].members[0]) < ahead(first, last);
+        let near = |j: &usize| ahead(last, runs[*j].members[0]) <= (GAP + 1) as f64;
+        let next = (k + 1..runs.len())
+            .chain(0..k)
+            .take_while(|j| within(j) || near(j))
+            .find(|j| near(j) && (runs[*j].median() - run.median()).abs() <= 0.75 * tolerance(run.median()));
         let Some(j) = next else {
             k += 1;
             continue;

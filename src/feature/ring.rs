@@ -23,14 +23,14 @@ const AHEAD: f64 = 0.35;
 /// Bearings tried across the cone.
 const TRIED: usize = 61;
 
-/// The runs under way, by sensor.
+/// The runs under way, by sensor, and how far the robot has travelled since they began, metres.
 #[derive(Debug, Clone, Default)]
-pub struct Runs(BTreeMap<u32, Vec<Ping>>);
+pub struct Runs(BTreeMap<u32, (Vec<Ping>, f64)>);
 
 impl Runs {
     /// Takes a sensor's next reading; gives the region that ends with the one before.
     pub fn push(&mut self, ping: &Ping) -> Option<Rcd> {
-        let run = self.0.entry(ping.record.sensor).or_default();
+        let (run, travelled) = self.0.entry(ping.record.sensor).or_default();
         let Some(last) = run.last() else {
             run.extend(ping.range.map(|_| *ping));
             return None;
@@ -38,20 +38,21 @@ impl Runs {
         if ping.range.is_some() && distance(last.at, ping.at) < STEP {
             return None;
         }
-        let goes_on = continues(run, ping) && distance(run[0].at, ping.at) <= TRAVEL[1];
-        if goes_on {
+        *travelled += distance(last.at, ping.at);
+        if continues(run, ping) && *travelled <= TRAVEL[1] {
             run.push(*ping);
             return None;
         }
         let found = region(run);
         run.clear();
+        *travelled = 0.0;
         run.extend(ping.range.map(|_| *ping));
         found
     }
 
     /// Ends all runs.
     pub fn finish(&mut self) -> Vec<Rcd> {
-        std::mem::take(&mut self.0).into_values().filter_map(|run| region(&run)).collect()
+        std::mem::take(&mut self.0).into_values().filter_map(|(run, _)| region(&run)).collect()
     }
 }
 

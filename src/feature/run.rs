@@ -4,20 +4,32 @@ use super::draw::Cells;
 use super::features::Known;
 use super::ping::Ping;
 use super::rules::Rules;
-use super::stage::{Stage, Tally};
+use super::stage::{MOST, Stage, Tally};
 use super::update::Update;
 use crate::reading::{Record, judge};
 use crate::sensor::Sensor;
+use crate::world::plane::distance;
 use crate::{Error, Result};
 use serde::Serialize;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
-/// Updates that are handed over together, at least, and how many times as many may wait for the backend.
+/// Updates that are handed over together, and how many times as many may wait for the backend.
 const TOGETHER: usize = 1024;
 const WAITING: usize = 16;
+/// What was taken farther apart is no scan, metres.
+const MOVED: f64 = 0.5;
 /// A backend's windows should be no larger than this, updates: while it applies one the next is found.
 pub const WINDOW: usize = 8192;
+
+/// What the stage takes at most for so many readings, bytes: those that it holds, and updates on their way.
+pub fn memory(readings: u64) -> u64 {
+    let held = readings.min(MOST as u64);
+    held * size_of::<Ping>() as u64 + UPDATE * (held + readings.min((TOGETHER * WAITING) as u64))
+}
+
+/// An update with its fans, bytes.
+const UPDATE: u64 = 1024;
 
 /// How a log's readings were associated.
 #[derive(Debug, Clone, Default)]
@@ -107,7 +119,9 @@ impl Feed<'_> {
     /// Takes a record; `false`: that was enough.
     fn record(&mut self, record: Record, out: &mut Vec<Update>) -> bool {
         let sensor = &self.sensors[record.sensor as usize];
-        if self.scan.first().is_some_and(|p| p.record.scan != record.scan) {
+        let other =
+            |p: &Ping| p.record.scan != record.scan || distance(p.centre(), (record.robot.x, record.robot.y)) > MOVED;
+        if self.scan.first().is_some_and(other) {
             self.stage.scan(std::mem::take(&mut self.scan), out);
         }
         if let Some(ping) = Ping::of(record, self.pings, sensor) {
@@ -145,7 +159,12 @@ pub fn run<T, I: Iterator<Item = Result<Record>>>(
             // Whether there is somebody to take them.
             let mut give = |ready: &mut Vec<Update>, clock: &mut Instant| {
                 busy += clock.elapsed();
-                let taken = send.send(Ok(std::mem::take(ready))).is_ok();
+                let mut rest = std::mem::take(ready);
+                let mut taken = true;
+                while taken && !rest.is_empty() {
+                    let later = rest.split_off(rest.len().min(TOGETHER));
+                    taken = send.send(Ok(std::mem::replace(&mut rest, later))).is_ok();
+                }
                 *clock = Instant::now();
                 taken
             };

@@ -20,7 +20,7 @@ const WINDOW: f64 = 0.5;
 /// Features are looked for so much farther than a sensor reaches, metres.
 const BEYOND: f64 = 1.0;
 /// The most readings that are held.
-const MOST: usize = 1 << 17;
+pub const MOST: usize = 1 << 16;
 /// What became of the readings, and what was found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Tally {
@@ -162,8 +162,8 @@ impl Stage {
 
     /// Decides the readings of scans near each other, and draws those whose case is `wanted`; gives the others.
     fn update(&mut self, window: &[Held], wanted: &dyn Fn(Case) -> bool, out: &mut Vec<Update>) -> Vec<Ping> {
-        let pings = || window.iter().flat_map(|h| &h.pings);
-        let reach = pings().map(|p| p.reach + distance(p.at, p.centre())).fold(0.0, f64::max) + BEYOND;
+        let aside = window.iter().flat_map(|h| h.pings.iter().map(|p| p.reach + distance(p.at, h.at)));
+        let reach = aside.fold(0.0, f64::max) + BEYOND;
         let mut place = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         for (x, y) in window.iter().map(|h| h.at) {
             place =

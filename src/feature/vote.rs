@@ -1,27 +1,22 @@
 //! Wall or point: a plane shows another foot from elsewhere, on one line; a corner or an edge shows the same place.
 
 use super::rcd::{Rcd, Source};
-use crate::world::plane::{Point, cross, distance, dot, sub};
+use crate::world::plane::{distance, dot, sub};
 
 /// Scans nearer than this tell nothing of each other, metres.
 const APART: f64 = 0.15;
 /// Feet farther apart than this are of other things, metres.
 const NEAR: f64 = 1.2;
-/// Normals of one plane differ by less, radians.
-const PARALLEL: f64 = 0.104_719_755;
-/// Bearings of one point from two places differ by more, radians.
-const TURNED: f64 = 0.052_359_878;
+/// Normals of one plane differ by less: cosine.
+const PARALLEL: f64 = 0.994_521_895; // cos 6°
+/// Bearings of one point from two places differ by more: cosine.
+const TURNED: f64 = 0.998_629_535; // cos 3°
 /// A foot of one plane lies no farther from the other's, metres.
 const BESIDE: f64 = 0.08;
 
 /// How near two feet are the same place, at a range, metres.
 pub fn same_place(range: f64) -> f64 {
     0.05 + 0.03 * range
-}
-
-/// The angle between two unit vectors, radians.
-pub fn angle(a: Point, b: Point) -> f64 {
-    cross(a, b).atan2(dot(a, b)).abs()
 }
 
 /// Says of each region whether it is a wall or a point, but for those that know it themselves.
@@ -50,13 +45,13 @@ fn verdict(a: &Rcd, b: &Rcd) -> Option<Source> {
     if apart >= NEAR || distance(a.centre, b.centre) < APART {
         return None;
     }
-    let turn = angle(a.normal, b.normal);
+    let turn = dot(a.normal, b.normal);
     let offset = |from: &Rcd, to: &Rcd| dot(from.normal, sub(to.foot, from.foot)).abs();
     let tau = same_place(a.range.max(b.range));
-    let plane = turn <= PARALLEL && offset(a, b).min(offset(b, a)) <= BESIDE;
+    let plane = turn >= PARALLEL && offset(a, b).min(offset(b, a)) <= BESIDE;
     if plane {
         (apart > tau).then_some(Source::Wall)
     } else {
-        (apart <= tau && turn >= TURNED).then_some(Source::Point)
+        (apart <= tau && turn <= TURNED).then_some(Source::Point)
     }
 }

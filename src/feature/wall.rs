@@ -3,20 +3,20 @@
 use super::features::{Features, Spot, Wall};
 use super::rcd::{Rcd, Source};
 use super::rules::Rules;
-use super::vote::{angle, same_place};
+use super::vote::same_place;
 use crate::world::plane::{Point, add, cross, distance, dot, meet, sub, times};
 
-/// Normals of one wall differ by less, radians.
-const PARALLEL: f64 = 0.174_532_925;
+/// Normals of one wall differ by less: cosine.
+const PARALLEL: f64 = 0.984_807_753; // cos 10°
 /// A gap between two regions of one wall, metres.
 const GAP: f64 = 0.20;
-/// A gap between two that lie on one line as well as can be told, metres and radians.
+/// A gap between two that lie on one line as well as can be told, metres; and the cosine of their turn.
 const WIDE: f64 = 0.5;
-const TIGHT: f64 = 0.1;
+const TIGHT: f64 = 0.995_004_165; // cos 0.1
 /// Feet that spread less give no line, metres.
 const SPREAD: f64 = 0.3;
-/// A line through the feet may turn the normal by less, radians.
-const TURN: f64 = 0.261_799_388;
+/// A line through the feet may turn the normal by less: cosine.
+const TURN: f64 = 0.965_925_826; // cos 15°
 /// Points nearer than this are one, metres.
 const SAME: f64 = 0.15;
 
@@ -72,9 +72,9 @@ fn one_wall(a: &Rcd, b: &Rcd) -> bool {
     let off = dot(near.normal, sub(far.foot, near.foot)).abs();
     let along = (-near.normal.1, near.normal.0);
     let gap = dot(along, sub(far.foot, near.foot)).abs() - a.half - b.half;
-    let turn = angle(a.normal, b.normal);
-    let tight = off <= 0.04 + 0.01 * far.range && turn <= TIGHT;
-    off <= 0.08 + 0.02 * far.range && turn <= PARALLEL && gap <= if tight { WIDE } else { GAP }
+    let turn = dot(a.normal, b.normal);
+    let tight = off <= 0.04 + 0.01 * far.range && turn >= TIGHT;
+    off <= 0.08 + 0.02 * far.range && turn >= PARALLEL && gap <= if tight { WIDE } else { GAP }
 }
 
 /// The walls of the regions that are walls.
@@ -89,7 +89,7 @@ fn wall(rcds: &[Rcd], group: Vec<usize>) -> Wall {
     let of = |k: &usize| &rcds[*k];
     let closest = group.iter().map(of).min_by(|a, b| a.range.total_cmp(&b.range)).unwrap_or(&rcds[group[0]]);
     let (normal, through) =
-        line(rcds, &group).filter(|(n, _)| angle(*n, closest.normal) < TURN).unwrap_or((closest.normal, closest.foot));
+        line(rcds, &group).filter(|(n, _)| dot(*n, closest.normal) > TURN).unwrap_or((closest.normal, closest.foot));
     let mut wall =
         Wall { normal, offset: dot(normal, through), extent: [f64::INFINITY, f64::NEG_INFINITY], rcds: Vec::new() };
     for rcd in group.iter().map(of) {
@@ -127,10 +127,13 @@ pub fn points_at_corners(rcds: &mut [Rcd], walls: &[Wall]) -> Vec<usize> {
         for b in &walls[i + 1..] {
             let Some(at) = concave(a, b) else { continue };
             for (k, rcd) in rcds.iter().enumerate() {
-                let own = a.rcds.contains(&k) || b.rcds.contains(&k);
+                if distance(rcd.foot, at) > same_place(rcd.range) {
+                    continue;
+                }
+                let own = [a, b].iter().any(|w| w.rcds.binary_search(&k).is_ok());
                 let between = cross(a.normal, rcd.normal) * cross(rcd.normal, b.normal) > 0.0
                     && dot(add(a.normal, b.normal), rcd.normal) > 0.0;
-                if !own && between && distance(rcd.foot, at) <= same_place(rcd.range) {
+                if !own && between {
                     found.push(k);
                 }
             }
