@@ -12,7 +12,9 @@ fn files(place: &Place, folder: &str) -> BTreeMap<String, Vec<u8>> {
         report.as_object_mut().unwrap().remove(key).unwrap();
     }
     if let Some(features) = report.get_mut("features") {
-        ["seconds", "overlap"].map(|key| features.as_object_mut().unwrap().remove(key).unwrap());
+        for key in ["seconds", "overlap"] {
+            features.as_object_mut().unwrap().remove(key).unwrap();
+        }
     }
     report["log"].as_object_mut().unwrap().remove("path").unwrap();
     all.insert("report.json".into(), serde_json::to_vec(&report).unwrap());
