@@ -32,6 +32,7 @@ pub mod grid;
 pub mod output;
 pub mod score;
 pub mod compare;
+pub mod view;
 pub mod cli;
 pub mod error;
 mod positioned;

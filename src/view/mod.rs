@@ -1,0 +1,41 @@
+//! `echogrid view`: what a page in the browser is told. A [`View`] answers its questions, as plain functions; the server around it
+//! keeps everybody else out. `web/README.md` says what is asked and answered.
+
+use crate::Result;
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// A question of the page.
+#[derive(Debug, Clone, Copy)]
+pub struct Ask<'a> {
+    /// POST: it changes something; GET doesn't.
+    pub post: bool,
+    /// What follows the token, without the first slash: `api/session`.
+    pub path: &'a str,
+    /// The query's keys and values, decoded.
+    pub query: &'a BTreeMap<String, String>,
+    /// The body; empty for GET.
+    pub body: &'a [u8],
+}
+
+/// What it is told.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Answer {
+    /// JSON.
+    Json(Value),
+    /// Bytes, and their media type.
+    Bytes(&'static str, Vec<u8>),
+    /// There is nothing to show (204).
+    Nothing,
+    /// There is no such path (404).
+    Unknown,
+}
+
+/// What is looked at: a log being stepped through, or a saved map. Called from several threads at once.
+pub trait View: Send + Sync {
+    /// Answers a question.
+    ///
+    /// # Errors
+    /// [`crate::Error::Usage`] for what is wrong with the question (400); others for what went wrong here (500).
+    fn answer(&self, ask: &Ask) -> Result<Answer>;
+}
