@@ -24,6 +24,7 @@ pub mod whole;
 pub mod layers;
 pub mod survey;
 pub mod session;
+pub mod step;
 pub mod memory;
 pub mod verify;
 pub mod workload;

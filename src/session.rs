@@ -172,12 +172,12 @@ impl Session {
         Ok(Scans::new(self.records()?, self.sensors(), labels, self.until.min(count), self.log.path()))
     }
 
-    /// The updates of the first `count` used readings, in order, for a method that takes them: all at once.
+    /// The updates of the first `count` used readings, in order, and what was found, for a method that takes them: all at once.
     ///
     /// # Errors
     /// The log's.
-    pub fn updates(&self, count: usize) -> Result<Vec<Update>> {
-        Ok(self.associate(count, |updates| updates.collect::<Result<Vec<_>>>())?.0)
+    pub fn updates(&self, count: usize) -> Result<(Vec<Update>, Found)> {
+        self.associate(count, |updates| updates.collect::<Result<Vec<_>>>())
     }
 
     /// Associates the first `count` used readings with features while `apply` takes the updates that come of it.

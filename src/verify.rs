@@ -228,7 +228,7 @@ impl Seen {
         match session.method.unit() {
             Unit::Reading => (seen.readings, seen.wedges) = session.all()?,
             Unit::Scan => seen.scans = Some(session.scans()?.collect::<Result<_>>()?),
-            Unit::Update => seen.updates = session.updates(usize::MAX)?,
+            Unit::Update => seen.updates = session.updates(usize::MAX)?.0,
         }
         Ok(seen)
     }

@@ -1,6 +1,6 @@
 //! Synthetic logs for benchmarks and tests: random overlapping cones, the same on every machine.
 
-use crate::feature::{Fan, Part, Routine, Update};
+use crate::feature::{Case, Fan, Origin, Part, Routine, Update};
 use crate::grid::GridSpec;
 use crate::reading::{Outcome, Pose, Reading, Record};
 use crate::sensor::{Kind, Sensor};
@@ -79,11 +79,11 @@ pub fn walls(workload: &Workload) -> Vec<Update> {
             [at(0.0, reading.range), at(beta, 0.9 * reading.range)],
         ];
         let part =
-            |side: [Point; 2]| Part { weight: 0.35, free: Some(Fan { vertices: side.to_vec() }), occupied: vec![side] };
+            |side: [Point; 2]| Part { origin: Origin::Wall, weight: 0.35, free: Some(Fan { vertices: side.to_vec() }), occupied: vec![side] };
         let limit = |k: u32| at(beta * (f64::from(k) / 8.0 - 1.0), reading.range * if k % 4 < 2 { 1.0 } else { 0.7 });
         let limit = Some(Fan { vertices: (0..=16).map(limit).collect() });
         let routine = Some(Routine { weight: 0.3, free: limit.clone(), arc: limit, occupies: true });
-        Update { reading: *reading, number, parts: sides.map(part).into(), routine }
+        Update { reading: *reading, number, case: Case::Associated, parts: sides.map(part).into(), routine }
     };
     (0..).zip(&workload.readings).map(update).collect()
 }

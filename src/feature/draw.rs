@@ -3,7 +3,7 @@
 use super::decide::{BEARINGS, Case, Decision};
 use super::features::{Corner, Features, Wall, hit};
 use super::ping::Ping;
-use super::update::{Fan, Part, Routine, Update};
+use super::update::{Fan, Origin, Part, Routine, Update};
 use crate::world::plane::{Point, add, distance, dot, times};
 
 /// A wall is occupied, and freed before, so much beyond its ends, metres.
@@ -47,7 +47,7 @@ pub fn draw(ping: &Ping, decision: &Decision, features: &Features, cells: Cells)
         Case::Outlier | Case::Behind => (Vec::new(), drawing.emptiness()),
         Case::Routine => (Vec::new(), Some(drawing.routine(1.0))),
     };
-    let mut update = Update { reading: ping.reading(z), number: ping.number, parts, routine };
+    let mut update = Update { reading: ping.reading(z), number: ping.number, case: decision.case, parts, routine };
     // The kernels take no more; a corner just beyond a sonar's reach may be farther.
     let most = FARTHEST * cells.resolution;
     for part in &mut update.parts {
@@ -118,19 +118,19 @@ impl Drawing<'_> {
         let other = association.other();
         let total = association.weights().iter().sum::<f64>() + other;
         let mut parts = Vec::new();
-        let mut part = |p: f64, (free, occupied): (Option<Fan>, Vec<[Point; 2]>)| {
-            parts.push(Part { weight: p / total, free, occupied });
+        let mut part = |origin: Origin, p: f64, (free, occupied): (Option<Fan>, Vec<[Point; 2]>)| {
+            parts.push(Part { origin, weight: p / total, free, occupied });
         };
         if let Some((k, p)) = association.wall {
-            part(p, self.wall(&features.walls[k]));
+            part(Origin::Wall, p, self.wall(&features.walls[k]));
         }
         if let Some((k, p)) = association.corner {
             let corner = &features.corners[k];
-            part(p, self.corner(corner, corner.walls.map(|w| &features.walls[w])));
+            part(Origin::Corner, p, self.corner(corner, corner.walls.map(|w| &features.walls[w])));
         }
         if let Some((k, p)) = association.spot {
             let at = features.spots[k].at;
-            part(p, (self.fan(|k| (self.z - self.cells.epsilon).min(self.margin(k))), vec![[at, at]]));
+            part(Origin::Point, p, (self.fan(|k| (self.z - self.cells.epsilon).min(self.margin(k))), vec![[at, at]]));
         }
         (parts, Some(self.routine(other / total)))
     }

@@ -22,10 +22,11 @@ mod update;
 pub mod vote;
 pub mod wall;
 
+pub use decide::Case;
 pub use features::{Corner, Features, Known, Spot, Wall};
 pub use ping::Ping;
 pub use rcd::{Rcd, Source};
 pub use rules::Rules;
 pub use run::{Found, Summary, Times, WINDOW, memory, run};
 pub use stage::{Stage, Tally};
-pub use update::{Fan, Part, Routine, Update};
+pub use update::{Fan, Origin, Part, Routine, Update};

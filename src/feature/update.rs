@@ -1,5 +1,6 @@
 //! What a reading does to the map, as the stage hands it to the kernels: free regions, occupied lines, and their weights.
 
+use super::decide::Case;
 use crate::reading::Reading;
 use crate::world::plane::Point;
 
@@ -10,9 +11,22 @@ pub struct Fan {
     pub vertices: Vec<Point>,
 }
 
+/// What kind of feature a part is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// A wall.
+    Wall,
+    /// A concave corner.
+    Corner,
+    /// A point.
+    Point,
+}
+
 /// What a feature says, if the reading came from it: 0.8 occupied on its lines, 0.2 in its free region, else nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
+    /// Which kind of feature.
+    pub origin: Origin,
     /// The probability that the reading came from it; an update's weights sum to 1.
     pub weight: f64,
     /// What is free then.
@@ -43,6 +57,8 @@ pub struct Update {
     pub reading: Reading,
     /// Its number among the log's used readings, from 0.
     pub number: u64,
+    /// Which case the reading is.
+    pub case: Case,
     /// At most two features.
     pub parts: Vec<Part>,
     /// What remains.

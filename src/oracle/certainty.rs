@@ -111,13 +111,12 @@ pub(super) struct State {
     s: Vec<Range>,
 }
 
-/// Evidence of one arc cell on its way: its own, after cancelling, after normalising.
+/// Evidence of one arc cell on its way: after cancelling, after normalising.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Arc {
     pub index: usize,
-    pub own: f64,
-    pub cancelled: f64,
-    pub normalised: f64,
+    cancelled: f64,
+    normalised: f64,
     /// A kernel's cancelled evidence, then its normalised one.
     kernel: Range,
 }
@@ -150,7 +149,7 @@ impl State {
             let error = profile_bound(offset(cone, d), turn(theta, cone.beta));
             let kernel = self.q[cell.index].times(around(own, error, 1.0 + 4.0 * U), 1.0);
             let cancelled = own * (1.0 - self.emp[cell.index]);
-            arc.push(Arc { index: cell.index, own, cancelled, normalised: 0.0, kernel });
+            arc.push(Arc { index: cell.index, cancelled, normalised: 0.0, kernel });
         }
         let sum: f64 = arc.iter().map(|a| a.cancelled).sum();
         let low: f64 = arc.iter().map(|a| a.kernel.low).sum();

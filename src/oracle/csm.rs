@@ -26,7 +26,34 @@ pub fn beams_of(grid: &GridSpec, scans: &[Scan], csm: &Csm, (column, row): (usiz
     chosen(grid, &places, csm, (column, row)).into_iter().map(|(scan, beam, _)| (scan, beam)).collect()
 }
 
-/// The same with the cell's place from the pose, µm.
+/// What a chosen beam gave to a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given {
+    /// The scan, and the beam in it.
+    pub beam: (usize, usize),
+    /// What each α gained: labels, then "free".
+    pub gained: Vec<f64>,
+    /// Whether it counts as an update of free space, and of an obstacle.
+    pub counted: [bool; 2],
+}
+
+/// What each of the beams that speak of a cell gave to it, in log order.
+pub fn given(grid: &GridSpec, scans: &[Scan], csm: &Csm, at: (usize, usize)) -> Vec<Given> {
+    let places: Vec<Place> = scans.iter().map(|s| place(s, csm)).collect();
+    let mut cell = Cell::new(csm.labels() + 1);
+    let give = |(scan, beam, v): (usize, usize, Vector)| {
+        let (alpha, before) = (cell.alpha.clone(), [cell.interior, cell.arc]);
+        cell.see(csm, grid.resolution, scan, (beam, &places[scan].beams[beam]), v);
+        Given {
+            beam: (scan, beam),
+            gained: cell.alpha.iter().zip(alpha).map(|(after, before)| after - before).collect(),
+            counted: [before[0] != cell.interior, before[1] != cell.arc],
+        }
+    };
+    chosen(grid, &places, csm, at).into_iter().map(give).collect()
+}
+
+/// The beams that speak of a cell, with its place from each pose, µm.
 fn chosen(grid: &GridSpec, places: &[Place], csm: &Csm, at: (usize, usize)) -> Vec<(usize, usize, Vector)> {
     let farthest = round(csm.z_max * 1e6).pow(2);
     let (x, y) = grid.centre(at.0, at.1);
@@ -49,8 +76,7 @@ fn chosen(grid: &GridSpec, places: &[Place], csm: &Csm, at: (usize, usize)) -> V
 /// The map of a log's scans, in their order, by a counting sensor model.
 pub fn map_scans(grid: &GridSpec, scans: &[Scan], csm: &Csm) -> OracleMap {
     let places: Vec<Place> = scans.iter().map(|s| place(s, csm)).collect();
-    let start =
-        Cell { alpha: vec![0.0; csm.labels() + 1], bound: vec![0.0; csm.labels() + 1], interior: 0, arc: 0, marks: 0 };
+    let start = Cell::new(csm.labels() + 1);
     let cell = |k: usize| {
         let mut cell = start.clone();
         for (scan, beam, v) in chosen(grid, &places, csm, (k % grid.width, k / grid.width)) {

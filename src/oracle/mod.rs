@@ -23,9 +23,9 @@ mod real_log;
 #[cfg(test)]
 mod vectors;
 
-pub use csm::{beams_of, map_scans};
+pub use csm::{Given, beams_of, given, map_scans};
 pub use features::{map_updates, reaches};
-pub use working::{Working, WorkingCell, working};
+pub use working::{Working, WorkingCell, working, working_of};
 
 use crate::grid::GridSpec;
 use crate::method::settings::Settings;

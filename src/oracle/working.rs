@@ -45,6 +45,31 @@ pub fn working(
     let Some(cone) = all.get(index) else {
         return Err(Error::Usage(format!("there is no reading {index}: the log has {}", readings.len())));
     };
+    let Settings::Certainty(certainty) = settings else { return Ok(explain(grid, cone, settings, &|_| 0.0)) };
+    // the reading's own interior is no part of its arc: Emp before it and after it are the same there
+    let until = if certainty.order == Order::Batch { all.len() } else { index };
+    let state = certainty::run(grid, &all[..until], certainty, &mut Tally::new(grid.cells()));
+    Ok(explain(grid, cone, settings, &|cell| state.emp[cell]))
+}
+
+/// Explains one reading alone; `emptiness`: Emp of a cell (row by row from the bottom) on its arc, for the certainty grid.
+///
+/// # Errors
+/// [`Error::Usage`] for a reading that names no sensor.
+pub fn working_of(
+    grid: &GridSpec,
+    sensors: &[Sensor],
+    reading: &Reading,
+    settings: &Settings,
+    wedge: Option<(f64, f64)>,
+    emptiness: &dyn Fn(usize) -> f64,
+) -> Result<Working> {
+    let wedge = wedge.map(|w| [w]);
+    let all = cones(grid, sensors, std::slice::from_ref(reading), settings, wedge.as_ref().map(|w| &w[..]))?;
+    Ok(explain(grid, &all[0], settings, emptiness))
+}
+
+fn explain(grid: &GridSpec, cone: &Cone, settings: &Settings, emptiness: &dyn Fn(usize) -> f64) -> Working {
     let mut cells = Vec::new();
     let arc_cells = cone.cells(grid, &mut cells);
     let explain = |cell| {
@@ -54,17 +79,17 @@ pub fn working(
     };
     let mut explained: Vec<WorkingCell> = cells.iter().map(explain).collect();
     let mut sum = 0.0;
-    if let Settings::Certainty(certainty) = settings {
-        // the reading's own interior is no part of its arc: Emp before it and after it are the same there
-        let until = if certainty.order == Order::Batch { all.len() } else { index };
-        let state = certainty::run(grid, &all[..until], certainty, &mut Tally::new(grid.cells()));
-        let mut arc = Vec::new();
-        sum = state.weigh(cone, &cells, &mut arc);
-        for (cell, a) in explained.iter_mut().filter(|c| c.update.region == Region::Arc).zip(&arc) {
-            (cell.own, cell.cancelled, cell.normalised) = (a.own, a.cancelled, a.normalised);
+    if let Settings::Certainty(_) = settings {
+        let is_arc = |c: &&mut WorkingCell| c.update.region == Region::Arc;
+        for cell in explained.iter_mut().filter(is_arc) {
+            cell.cancelled = cell.own * (1.0 - emptiness(cell.update.row * grid.width + cell.update.column));
+            sum += cell.cancelled;
+        }
+        for cell in explained.iter_mut().filter(is_arc) {
+            cell.normalised = if sum > 0.0 { cell.cancelled / sum } else { 0.0 };
         }
     }
-    Ok(Working { cells: explained, arc_cells, sum })
+    Working { cells: explained, arc_cells, sum }
 }
 
 /// The reading's own evidence of a cell.

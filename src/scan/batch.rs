@@ -13,6 +13,7 @@ use crate::method::settings::Csm;
 use crate::whole::{EDGE, Place};
 use crate::{Error, Result};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The tiles of one chunk.
 pub struct Tiles<'a> {
@@ -76,13 +77,51 @@ impl<'a> Tiles<'a> {
     /// [`crate::Error::Resources`] where spilled beams can't be read back.
     pub fn batches(&self, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
         match self.index {
-            Some(index) => self.by_tiles(index, most, give),
-            None => self.by_scans(most, give),
+            Some(index) => self.by_tiles(index, self.all(), most, give),
+            None => self.by_scans(0..self.store.poses.len() as u32, most, give),
         }
     }
 
-    fn by_tiles(&self, index: &Index, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
-        let listed: Vec<Listed> = self.all().into_par_iter().filter_map(|at| self.list(index, at)).collect();
+    /// The tiles, column and row in the chunk, for which one of some scans may be among the nearest.
+    pub fn concerned(&self, scans: Range<u32>) -> Vec<[usize; 2]> {
+        let Some(index) = self.index else { return self.all() };
+        let farthest = self.csm.z_max * 1e6;
+        let near = |at: &[usize; 2]| {
+            let area = self.tile(*at);
+            scans.clone().any(|scan| area.square(self.pose(scan)) <= farthest * farthest)
+        };
+        let taken = |at: &[usize; 2]| {
+            let found = self.candidates(index, &self.tile(*at));
+            found.iter().any(|scan| scans.contains(scan))
+        };
+        self.all().into_par_iter().filter(|at| near(at) && taken(at)).collect()
+    }
+
+    /// The same batches of some tiles alone, column and row in the chunk; where cells take all poses those of some scans alone, all tiles.
+    ///
+    /// # Errors
+    /// As [`Tiles::batches`].
+    pub fn batches_of(
+        &self,
+        tiles: Vec<[usize; 2]>,
+        scans: Range<u32>,
+        most: Most,
+        give: &mut dyn FnMut(Batch, f64) -> bool,
+    ) -> Result<bool> {
+        match self.index {
+            Some(index) => self.by_tiles(index, tiles, most, give),
+            None => self.by_scans(scans, most, give),
+        }
+    }
+
+    fn by_tiles(
+        &self,
+        index: &Index,
+        tiles: Vec<[usize; 2]>,
+        most: Most,
+        give: &mut dyn FnMut(Batch, f64) -> bool,
+    ) -> Result<bool> {
+        let listed: Vec<Listed> = tiles.into_par_iter().filter_map(|at| self.list(index, at)).collect();
         let total = listed.len() as f64;
         let mut rest = &listed[..];
         while !rest.is_empty() {
@@ -117,11 +156,10 @@ impl<'a> Tiles<'a> {
         Ok(true)
     }
 
-    fn by_scans(&self, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
+    fn by_scans(&self, scans: Range<u32>, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
         let all = self.all();
         let whole = self.extent([0, 0], self.size);
-        let reaching: Vec<u32> =
-            (0..self.store.poses.len() as u32).filter(|scan| self.reaches(*scan, &whole)).collect();
+        let reaching: Vec<u32> = scans.filter(|scan| self.reaches(*scan, &whole)).collect();
         let mut rest = &reaching[..];
         while !rest.is_empty() {
             let (mut beams, mut taken) = (0, 0);
@@ -179,14 +217,20 @@ impl<'a> Tiles<'a> {
     /// A tile's scans; `None` where none of them may touch it.
     fn list(&self, index: &Index, at: [usize; 2]) -> Option<Listed> {
         let area = self.tile(at);
+        let scans = self.candidates(index, &area);
+        scans.iter().any(|s| self.reaches(*s, &area)).then_some(Listed { at, scans })
+    }
+
+    /// The scans that may be among the nearest of a cell of the box.
+    fn candidates(&self, index: &Index, area: &Area) -> Vec<u32> {
         let metres = |k: usize, v: i32| (self.origin[k] + i64::from(v)) as f64 * 1e-6;
         let ends = [0, 1].map(|k| [metres(k, area.low[k]), metres(k, area.high[k])]);
         let half = (ends[0][1] - ends[0][0]).hypot(ends[1][1] - ends[1][0]) / 2.0;
-        let mut scans = index.candidates(ends.map(|[low, high]| (low + high) / 2.0), half, self.csm.z_max);
-        if let Some(n) = self.csm.neighbours.map(usize::from).filter(|n| scans.len() > MANY * n) {
-            scans = self.undominated(&area, &scans, n);
+        let scans = index.candidates(ends.map(|[low, high]| (low + high) / 2.0), half, self.csm.z_max);
+        match self.csm.neighbours.map(usize::from).filter(|n| scans.len() > MANY * n) {
+            Some(n) => self.undominated(area, &scans, n),
+            None => scans,
         }
-        scans.iter().any(|s| self.reaches(*s, &area)).then_some(Listed { at, scans })
     }
 
     /// Of these scans those to which not n others are nearer all over the tile: the rest is never among the n nearest. The

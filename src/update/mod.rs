@@ -11,7 +11,7 @@ pub use region::{Rows, SPOT, in_fan, on_lines};
 pub use snap::{FARTHEST, Snapped, check, snapped};
 
 use crate::Result;
-use crate::feature::{Routine, Update};
+use crate::feature::{Case, Routine, Update};
 use crate::grid::GridSpec;
 use crate::kernels::Backend;
 use crate::layout::Cone;
@@ -26,7 +26,7 @@ use std::time::Instant;
 /// The update of a reading of which no feature is known: that of the Bayesian grid, nowhere cut off.
 pub fn plain(number: u64, reading: Reading) -> Update {
     let routine = Routine { weight: 1.0, free: None, arc: None, occupies: true };
-    Update { reading, number, parts: Vec::new(), routine: Some(routine) }
+    Update { reading, number, case: Case::Routine, parts: Vec::new(), routine: Some(routine) }
 }
 
 /// Applies updates in order, `batch` at a time (the result doesn't depend on it); says how many reached no cell

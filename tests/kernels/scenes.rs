@@ -1,7 +1,7 @@
 //! Scenes: real logs, and made-up readings that go where real ones rarely do. All are the same at every run.
 
 use crate::common::{Scene, data};
-use echogrid::feature::{Fan, Part, Routine, Update};
+use echogrid::feature::{Case, Fan, Origin, Part, Routine, Update};
 use echogrid::grid::GridSpec;
 use echogrid::log::{Log, Options};
 use echogrid::mapper::Item;
@@ -452,7 +452,7 @@ impl Made {
         for _ in 0..count {
             let free = (self.random.below(5) > 0).then(|| self.fan(sensor, pose.heading, most));
             let occupied = self.lines(sensor, pose.heading, most);
-            parts.push(Part { weight: self.random.within(0.0, 1.0), free, occupied });
+            parts.push(Part { origin: Origin::Wall, weight: self.random.within(0.0, 1.0), free, occupied });
         }
         let limit = |made: &mut Made| (made.random.below(2) == 0).then(|| made.fan(sensor, pose.heading, most));
         let weight = if count == 0 { 1.0 } else { self.random.within(0.0, 1.0) };
@@ -466,6 +466,6 @@ impl Made {
         let sum = parts.iter().map(|p| p.weight).sum::<f64>() + routine.as_ref().map_or(0.0, |r| r.weight);
         parts.iter_mut().for_each(|p| p.weight /= sum);
         let routine = routine.map(|r| Routine { weight: r.weight / sum, ..r });
-        Update { reading, number, parts, routine }
+        Update { reading, number, case: Case::Associated, parts, routine }
     }
 }

@@ -4,7 +4,7 @@ use crate::common::{Run, Scene, assert_oracle, assert_same, gpu, patched_gpu};
 use crate::scenes::{self, bounds, reading, scene, sonar, updates_on};
 use echogrid::Error;
 use echogrid::compare::{self, compare};
-use echogrid::feature::{Fan, Part, Routine, Update};
+use echogrid::feature::{Case, Fan, Origin, Part, Routine, Update};
 use echogrid::grid::GridSpec;
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
@@ -104,7 +104,7 @@ fn windows_and_threads() {
 fn one(parts: Vec<Part>, routine: Option<Routine>) -> Scene {
     let reading = reading(0, (0.55, 0.55, 0.0), 0.9, Outcome::Hit);
     let mut scene = scene("one update", bounds([0.0, 0.0, 2.0, 2.0], 0.1), vec![sonar(15.0, 0.1, 2.0)], vec![reading]);
-    scene.updates = vec![Update { reading, number: 3, parts, routine }];
+    scene.updates = vec![Update { reading, number: 3, case: Case::Associated, parts, routine }];
     scene
 }
 
@@ -127,7 +127,7 @@ fn p_occ(scene: &Scene, (column, row): (i32, i32)) -> f64 {
 
 fn part(weight: f64, free: Option<Fan>, occupied: &[[(f64, f64); 2]]) -> Part {
     let at = |v: (f64, f64)| (0.55 + 0.1 * v.0, 0.55 + 0.1 * v.1);
-    Part { weight, free, occupied: occupied.iter().map(|[a, b]| [at(*a), at(*b)]).collect() }
+    Part { origin: Origin::Wall, weight, free, occupied: occupied.iter().map(|[a, b]| [at(*a), at(*b)]).collect() }
 }
 
 #[test]
@@ -271,7 +271,7 @@ fn verify_names_the_readings() {
         strict: true,
     };
     let session = Session::open(&path, &request).unwrap();
-    assert_eq!(session.updates(7).unwrap().len(), 7);
+    assert_eq!(session.updates(7).unwrap().0.len(), 7);
     let oracle = session.oracle().unwrap();
     let check = |backend: &mut dyn Backend| {
         let mapped = session.map(backend, 33, &|_| {}).unwrap();

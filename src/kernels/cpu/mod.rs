@@ -53,6 +53,16 @@ impl Cpu {
         let pool = if shared { None } else { Some(own()?) };
         Ok(Cpu { pool, chunks: Chunks::new(), spare: Vec::new(), times: None })
     }
+
+    /// The cells so far.
+    pub fn chunks(&self) -> &Chunks {
+        &self.chunks
+    }
+
+    /// The same, to be set to what they were before.
+    pub fn chunks_mut(&mut self) -> &mut Chunks {
+        &mut self.chunks
+    }
 }
 
 impl Backend for Cpu {

@@ -38,6 +38,11 @@ pub(super) struct Cell {
 }
 
 impl Cell {
+    /// Nothing is said of it yet; so many classes, "free" among them.
+    pub fn new(classes: usize) -> Cell {
+        Cell { alpha: vec![0.0; classes], bound: vec![0.0; classes], interior: 0, arc: 0, marks: 0 }
+    }
+
     fn add(&mut self, class: usize, value: f64, bound: f64) {
         self.alpha[class] += value;
         // The sum rounds anew with each increment.

@@ -1,0 +1,158 @@
+//! Getting from one place of the log to another.
+
+use super::cells::{Tiles, changes, tile_of};
+use super::{Items, Stepper};
+use crate::layout::TILE_CELLS;
+use crate::method::{self, tile_words};
+use crate::{Result, step::apply};
+use std::collections::BTreeMap;
+
+/// By what a step goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum By {
+    /// So many items: readings, or what the method takes.
+    Items(i64),
+    /// So many scans, to their end; back to their beginning.
+    Scans(i64),
+    /// To a position.
+    To(usize),
+}
+
+impl Stepper {
+    /// Where a step leads from here, within the log.
+    pub fn target(&self, by: By) -> usize {
+        let total = self.items.len();
+        match by {
+            By::To(position) => position.min(total),
+            By::Items(count) => {
+                let to = (self.position as i64).saturating_add(count);
+                to.clamp(0, total as i64) as usize
+            }
+            By::Scans(count) => {
+                let mut at = self.position;
+                for _ in 0..count.unsigned_abs() {
+                    match count > 0 {
+                        true if at < total => at = self.items.scan_end(at),
+                        false if at > 0 => at = self.items.scan_start(at - 1),
+                        _ => break,
+                    }
+                }
+                at
+            }
+        }
+    }
+
+    /// Goes to a position for as long as `more` says so, window by window; what of the map may differ from what it was. Ends on a
+    /// position from which it can go on.
+    ///
+    /// # Errors
+    /// The kernels', and those of spilled scans.
+    pub fn go(&mut self, to: usize, more: &mut dyn FnMut() -> bool) -> Result<Tiles> {
+        let to = to.min(self.items.len());
+        if to == self.position {
+            return Ok(Tiles::new());
+        }
+        let mut reached = Tiles::new();
+        match self.items {
+            Items::Readings(_) | Items::Updates(..) => self.follow(to, more, &mut reached)?,
+            Items::Anew(_) | Items::Scans(_) => self.remake(to, &mut reached)?,
+        }
+        Ok(reached)
+    }
+
+    /// Item after item, from a snapshot where it goes back.
+    fn follow(&mut self, to: usize, more: &mut dyn FnMut() -> bool, reached: &mut Tiles) -> Result<()> {
+        if to <= self.position {
+            // The last item is applied by itself, to see what it does.
+            let words = tile_words(self.method());
+            let before = to.saturating_sub(1);
+            self.position = self.snapshots.restore(before, words, self.cpu.chunks_mut(), reached);
+        }
+        let mut first = true;
+        while self.position + 1 < to && (first || more()) {
+            let next = self.snapshots.next(self.position).min(to - 1);
+            self.advance(next.min(self.position + apply::WINDOW), reached)?;
+            first = false;
+        }
+        self.touched.clear();
+        if self.position < to {
+            let mut tiles = self.tiles_of_item(self.position)?;
+            let before = self.copy(&tiles);
+            self.advance(self.position + 1, &mut tiles)?;
+            self.note(&before);
+            reached.append(&mut tiles);
+        }
+        Ok(())
+    }
+
+    /// Applies the items from the position to another, and keeps a snapshot where one is due.
+    fn advance(&mut self, to: usize, reached: &mut Tiles) -> Result<()> {
+        let mut tiles = Tiles::new();
+        let from = self.position;
+        let shares = apply::items(&self.session, &self.items, from..to, &mut self.cpu, &mut tiles)?;
+        self.shares.truncate(from);
+        self.shares.extend(shares);
+        self.position = to;
+        self.snapshots.keep(to, tile_words(self.session.method.as_ref()), self.cpu.chunks(), &tiles);
+        reached.append(&mut tiles);
+        Ok(())
+    }
+
+    /// The state of a position by itself, in two steps, to see what the last item does.
+    fn remake(&mut self, to: usize, reached: &mut Tiles) -> Result<()> {
+        self.touched.clear();
+        let before = to.saturating_sub(1);
+        self.make(before, reached)?;
+        if to > before {
+            let mut tiles = Tiles::new();
+            let concerned = self.tiles_of_item(before)?;
+            let copy = self.copy(&concerned);
+            self.make(to, &mut tiles)?;
+            self.note(&copy);
+            reached.append(&mut tiles);
+        }
+        Ok(())
+    }
+
+    fn make(&mut self, to: usize, reached: &mut Tiles) -> Result<()> {
+        if to == self.position {
+            return Ok(());
+        }
+        match &self.items {
+            Items::Scans(scans) => scans.remake(&self.session, self.position..to, &mut self.cpu, reached)?,
+            _ => self.shares = apply::anew(&self.session, &self.items, to, &mut self.cpu, reached)?,
+        }
+        self.position = to;
+        Ok(())
+    }
+
+    /// The tiles that an item may change.
+    fn tiles_of_item(&self, k: usize) -> Result<Tiles> {
+        match &self.items {
+            Items::Scans(scans) => Ok(scans.tiles(&self.session, k..k + 1, k + 1)),
+            items => apply::tiles(&self.session, items, k),
+        }
+    }
+
+    /// Copies of tiles.
+    fn copy(&self, tiles: &Tiles) -> BTreeMap<[u32; 2], Vec<u32>> {
+        let planes = method::planes(self.method());
+        let words = |tile: &[u32; 2]| match tile_of(self.chunks(), planes, *tile) {
+            Some(words) => words.to_vec(),
+            None => vec![0; planes * TILE_CELLS],
+        };
+        tiles.iter().map(|tile| (*tile, words(tile))).collect()
+    }
+
+    /// Notes the cells that differ from what they were.
+    fn note(&mut self, before: &BTreeMap<[u32; 2], Vec<u32>>) {
+        let planes = method::planes(self.method());
+        let mut touched = Vec::new();
+        for (tile, old) in before {
+            if let Some(new) = tile_of(self.chunks(), planes, *tile) {
+                changes(*tile, planes, old, new, &mut touched);
+            }
+        }
+        self.touched = touched;
+    }
+}

@@ -1,0 +1,107 @@
+//! What a method takes one at a time: readings, scans or updates, all of a log's.
+
+use super::scans::Scanned;
+use crate::Result;
+use crate::feature::{Found, Update};
+use crate::mapper::Item;
+use crate::method::Unit;
+use crate::method::settings::{Certainty, Order, Settings};
+use crate::scan::Scan;
+use crate::session::Session;
+
+/// A log's items, in order.
+pub enum Items {
+    /// Readings.
+    Readings(Vec<Item>),
+    /// Readings in the 1985 order: all free, then all occupy.
+    Anew(Vec<Item>),
+    /// Scans, for a counting sensor model.
+    Scans(Box<Scanned>),
+    /// Updates of the feature-based grid, and what its stage found in the whole log.
+    Updates(Vec<Update>, Box<Found>),
+}
+
+impl Items {
+    /// What an item takes in memory at most, bytes, with what is kept of it: an update with its fans is the largest.
+    pub const BYTES: u64 = 1024;
+
+    /// All of a session's.
+    ///
+    /// # Errors
+    /// The log's.
+    pub fn read(session: &Session) -> Result<Items> {
+        let settings = session.method.settings();
+        Ok(match (session.method.unit(), settings) {
+            (Unit::Scan, Settings::Csm(csm)) => Items::Scans(Box::new(Scanned::read(session, csm)?)),
+            (Unit::Update, _) => {
+                let (updates, found) = session.updates(usize::MAX)?;
+                Items::Updates(updates, Box::new(found))
+            }
+            (_, Settings::Certainty(Certainty { order: Order::Batch })) => {
+                Items::Anew(session.items()?.collect::<Result<_>>()?)
+            }
+            _ => Items::Readings(session.items()?.collect::<Result<_>>()?),
+        })
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        match self {
+            Items::Readings(items) | Items::Anew(items) => items.len(),
+            Items::Scans(scans) => scans.all.len(),
+            Items::Updates(updates, _) => updates.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The reading of an item, with its wedge's edges where it has them; a scan is none.
+    pub fn reading(&self, k: usize) -> Option<Item> {
+        match self {
+            Items::Readings(items) | Items::Anew(items) => items.get(k).copied(),
+            Items::Updates(updates, _) => updates.get(k).map(|u| (u.reading, None)),
+            Items::Scans(_) => None,
+        }
+    }
+
+    /// The update.
+    pub fn update(&self, k: usize) -> Option<&Update> {
+        match self {
+            Items::Updates(updates, _) => updates.get(k),
+            _ => None,
+        }
+    }
+
+    /// The scan.
+    pub fn scan(&self, k: usize) -> Option<&Scan> {
+        match self {
+            Items::Scans(scans) => scans.all.get(k),
+            _ => None,
+        }
+    }
+
+    /// Where an item stands in the log: the number of its scan, from 0 (of a counting sensor model's scans their own), and its line; of
+    /// a scan its last.
+    pub fn place(&self, k: usize) -> Option<(u64, u64)> {
+        match self {
+            Items::Scans(scans) => scans.all.get(k).and_then(|s| s.rays.last()).map(|ray| (k as u64, ray.source.1)),
+            _ => self.reading(k).map(|(reading, _)| (reading.record.scan, reading.record.line)),
+        }
+    }
+
+    /// One after the last item of the scan that item `k` belongs to.
+    pub fn scan_end(&self, k: usize) -> usize {
+        let scan = self.place(k).map(|p| p.0);
+        let rest = (k..self.len()).take_while(|k| self.place(*k).map(|p| p.0) == scan).count();
+        k + rest
+    }
+
+    /// The first item of the scan that item `k` belongs to.
+    pub fn scan_start(&self, k: usize) -> usize {
+        let scan = self.place(k).map(|p| p.0);
+        k + 1 - (0..=k).rev().take_while(|k| self.place(*k).map(|p| p.0) == scan).count()
+    }
+}
