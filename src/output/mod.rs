@@ -6,7 +6,7 @@ mod features;
 mod figure;
 mod folder;
 mod npy;
-mod png;
+pub(crate) mod png;
 mod raster;
 mod report;
 mod ros;

@@ -4,18 +4,21 @@
 use super::unwritable;
 use crate::Result;
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
-use png::{BitDepth, ColorType, Compression, Encoder, Filter};
+use png::{BitDepth, ColorType, DeflateCompression, Encoder, Filter};
 use rayon::prelude::*;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 /// Wider or taller pictures are reduced, so that a viewer can open them.
 const LARGEST: usize = 4096;
+/// Of pictures that are kept, and of those that are looked at once.
+const BALANCED: DeflateCompression = DeflateCompression::Level(6);
+const QUICK: DeflateCompression = DeflateCompression::Level(1);
 /// Palette entry 0: cells that no reading reached, and values that are no number.
-pub(super) const UNTOUCHED: [u8; 3] = [168, 180, 196];
+pub(crate) const UNTOUCHED: [u8; 3] = [168, 180, 196];
 /// The colour of class 0: cells that readings reached, and that are undecided.
-const UNDECIDED: [u8; 3] = [128; 3];
+pub(crate) const UNDECIDED: [u8; 3] = [128; 3];
 /// Palette entry of a signed scale's zero; entries 1 to 255 are the scale from low to high.
 const MIDDLE: u8 = 128;
 
@@ -64,23 +67,8 @@ impl Shown {
 
     /// Half as many a side: each shows the strongest of four.
     pub fn half(&self) -> Shown {
-        let [width, height] = self.extent;
-        let extent = [width.div_ceil(2), height.div_ceil(2)];
-        let scale = self.scale;
-        let mut values = vec![f32::NAN; extent[0] * extent[1]];
-        values.par_chunks_mut(extent[0].max(1)).zip(self.values.par_chunks(2 * width.max(1))).for_each(
-            |(line, rows)| {
-                for row in rows.chunks(width) {
-                    for (value, pair) in line.iter_mut().zip(row.chunks(2)) {
-                        for v in pair {
-                            let better = !v.is_nan() && (value.is_nan() || stronger(scale, *v, *value));
-                            *value = if better { *v } else { *value };
-                        }
-                    }
-                }
-            },
-        );
-        Shown { extent, scale, values }
+        let (extent, values) = half(self.scale, self.extent, &self.values);
+        Shown { extent, scale: self.scale, values }
     }
 
     /// Reduced by a power of two.
@@ -90,9 +78,30 @@ impl Shown {
 
     /// Its palette entries.
     pub fn entries(&self) -> Vec<u8> {
-        let scale = self.scale;
-        self.values.par_iter().map(|v| if v.is_nan() { 0 } else { entry(scale, f64::from(*v)) }).collect()
+        entries(self.scale, &self.values)
     }
+}
+
+/// Half as many values a side, rounded up, and their extent: each is the strongest of four. Not a number is none.
+pub(crate) fn half(scale: Scale, [width, height]: [usize; 2], values: &[f32]) -> ([usize; 2], Vec<f32>) {
+    let extent = [width.div_ceil(2), height.div_ceil(2)];
+    let mut halved = vec![f32::NAN; extent[0] * extent[1]];
+    halved.par_chunks_mut(extent[0].max(1)).zip(values.par_chunks(2 * width.max(1))).for_each(|(line, rows)| {
+        for row in rows.chunks(width) {
+            for (value, pair) in line.iter_mut().zip(row.chunks(2)) {
+                for v in pair {
+                    let better = !v.is_nan() && (value.is_nan() || stronger(scale, *v, *value));
+                    *value = if better { *v } else { *value };
+                }
+            }
+        }
+    });
+    (extent, halved)
+}
+
+/// Values' palette entries; 0 where they are no number.
+pub(crate) fn entries(scale: Scale, values: &[f32]) -> Vec<u8> {
+    values.par_iter().map(|v| if v.is_nan() { 0 } else { entry(scale, f64::from(*v)) }).collect()
 }
 
 /// Whether a block of cells shows this value rather than that: the larger magnitude, of equal ones what is occupied; of classes the
@@ -105,7 +114,7 @@ fn stronger(scale: Scale, value: f32, than: f32) -> bool {
 }
 
 /// Turns rows upside down.
-pub(super) fn flip(pixels: &mut [u8], width: usize) {
+pub(crate) fn flip(pixels: &mut [u8], width: usize) {
     let rows = pixels.len() / width.max(1);
     for row in 0..rows / 2 {
         let (low, high) = pixels.split_at_mut((rows - 1 - row) * width);
@@ -125,7 +134,7 @@ fn entry(scale: Scale, value: f64) -> u8 {
 }
 
 /// A value's colour on a scale.
-pub(super) fn colour(scale: Scale, value: f64) -> [u8; 3] {
+pub(crate) fn colour(scale: Scale, value: f64) -> [u8; 3] {
     let (entry, palette) = (usize::from(entry(scale, value)), palette(scale));
     [palette[3 * entry], palette[3 * entry + 1], palette[3 * entry + 2]]
 }
@@ -154,16 +163,29 @@ fn palette(scale: Scale) -> Vec<u8> {
 
 /// Saves palette entries, top row first.
 pub(super) fn save(path: &Path, extent: [usize; 2], scale: Scale, pixels: &[u8]) -> Result<()> {
-    encode(path, extent, &palette(scale), pixels).map_err(|e| unwritable(path, e))
+    let file = File::create(path).map(BufWriter::new);
+    file.and_then(|file| encode(file, extent, BALANCED, scale, pixels)).map_err(|e| unwritable(path, e))
 }
 
-fn encode(path: &Path, [width, height]: [usize; 2], palette: &[u8], pixels: &[u8]) -> std::io::Result<()> {
-    let file = BufWriter::new(File::create(path)?);
-    let mut encoder = Encoder::new(file, width as u32, height as u32);
+/// A picture's bytes, quickly made; entries with the top row first.
+pub(crate) fn picture(extent: [usize; 2], scale: Scale, pixels: &[u8]) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    encode(&mut bytes, extent, QUICK, scale, pixels)?;
+    Ok(bytes)
+}
+
+fn encode(
+    to: impl Write,
+    [width, height]: [usize; 2],
+    compression: DeflateCompression,
+    scale: Scale,
+    pixels: &[u8],
+) -> std::io::Result<()> {
+    let mut encoder = Encoder::new(to, width as u32, height as u32);
     encoder.set_color(ColorType::Indexed);
     encoder.set_depth(BitDepth::Eight);
-    encoder.set_palette(palette);
-    encoder.set_compression(Compression::Balanced);
+    encoder.set_palette(palette(scale));
+    encoder.set_deflate_compression(compression);
     encoder.set_filter(Filter::NoFilter); // differences of palette entries mean nothing
     let mut writer = encoder.write_header()?;
     writer.write_image_data(pixels)?;

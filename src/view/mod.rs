@@ -1,7 +1,16 @@
 //! `echogrid view`: what a page in the browser is told. A [`View`] answers its questions, as plain functions; the server around it
 //! keeps everybody else out. `web/README.md` says what is asked and answered.
 
-use crate::Result;
+mod cache;
+mod legend;
+mod pyramid;
+mod tile;
+
+pub use legend::legend;
+pub use pyramid::{Key, Pyramid, Shown};
+pub use tile::{EDGE, Place, Tile, levels, pixels};
+
+use crate::{Error, Result};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -16,6 +25,27 @@ pub struct Ask<'a> {
     pub query: &'a BTreeMap<String, String>,
     /// The body; empty for GET.
     pub body: &'a [u8],
+}
+
+impl Ask<'_> {
+    /// A value of the query.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where it isn't there.
+    pub fn text(&self, key: &str) -> Result<&str> {
+        let value = self.query.get(key).map(String::as_str);
+        value.ok_or_else(|| Error::Usage(format!("{} wants {key}=", self.path)))
+    }
+
+    /// A whole number of the query, from 0.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where it isn't there, or is none.
+    pub fn number(&self, key: &str) -> Result<usize> {
+        let text = self.text(key)?;
+        let number = text.parse::<u32>().map(|n| n as usize);
+        number.map_err(|_| Error::Usage(format!("{key}={text} is no whole number from 0")))
+    }
 }
 
 /// What it is told.
