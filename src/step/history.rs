@@ -9,7 +9,7 @@ use super::{Cell, Items, Stepper};
 use crate::Result;
 use crate::batch::Batch;
 use crate::kernels::cpu::Job;
-use crate::layout::{CHUNK, Frame, TILE, TILE_CELLS};
+use crate::layout::{CHUNK, COUNT, Frame, TILE, TILE_CELLS};
 use crate::mapper::{self, Item};
 use crate::method::settings::Settings;
 use crate::method::{self, Pass, Step};
@@ -72,22 +72,23 @@ impl Stepper {
 
     fn of_readings(&self, items: &[Item], column: usize, row: usize) -> Result<Vec<Event>> {
         let (session, footprint) = (self.session(), self.method().footprint());
-        let touches = |item: &Item| {
+        let touches = |(k, item): (usize, &Item)| {
             let cone = cone(session, item)?;
             let (interior, arc) = region(&cone, footprint, column as i64, row as i64);
-            (interior || arc).then_some(cone)
+            (interior || arc).then_some((k, arc, cone))
         };
-        let touching: Vec<_> =
-            items.par_iter().enumerate().filter_map(|(k, item)| Some((k, touches(item)?))).collect();
+        let touching: Vec<_> = items.par_iter().enumerate().filter_map(touches).collect();
         if matches!(self.method().settings(), Settings::Himm(h) if h.gro) {
             return self.replayed(touching.into_iter().map(|t| t.0), column, row);
         }
         let mut run = Run::new(self, column, row);
         let mut events = Vec::new();
-        for steps in self.method().sweeps() {
+        // In two sweeps interiors come first, then arcs.
+        let sweeps = self.method().sweeps();
+        for (sweep, steps) in sweeps.iter().enumerate() {
             let mut binning = binning(session, steps);
             binning.only = Some([(column / (TILE * CHUNK)) as u32, (row / (TILE * CHUNK)) as u32]);
-            for (k, cone) in &touching {
+            for (k, _, cone) in touching.iter().filter(|t| sweeps.len() == 1 || t.1 == (sweep > 0)) {
                 let share = self.shares.get(*k).copied().unwrap_or_default();
                 run.apply(*k, &binning.bin(vec![*cone]), steps, share, &mut events);
             }
@@ -170,7 +171,7 @@ impl Run<'_> {
         let before = words_at(&self.state, planes, self.at);
         for step in steps {
             let Step::Pass(Pass::Fuse, mode) = *step else { continue };
-            let frame = Frame { mode, ..self.frame };
+            let frame = Frame { mode: mode | COUNT, ..self.frame };
             let Batch { cones, scans, beams, centres, shapes, points, .. } = batch;
             let shares = &[share];
             let job =
