@@ -1,5 +1,7 @@
 //! A log, a method and a grid, checked before the long run; the readings to map, as often as a method sweeps over them.
 
+mod parameters;
+
 use crate::classes::Classes;
 use crate::feature::{self, Found, Update};
 use crate::grid::{GridSpec, Palette};

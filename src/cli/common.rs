@@ -7,7 +7,7 @@ use crate::log;
 use crate::method::settings::{FreeRule, Likelihood, MassModel, Settings};
 use crate::method::{self, REGISTRY};
 use crate::reading::Counts;
-use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, Sensor, length};
+use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, length};
 use crate::session::{Request, Session};
 use crate::{Error, Result};
 use clap::{Args, ValueEnum};
@@ -250,31 +250,6 @@ impl LogArguments {
 /// A count of something; its plural is made with an s.
 pub fn count(n: u64, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
-/// The sensors' parameters and the method's, as the report lists them: one value where all sensors agree, else all of them.
-pub fn parameters(session: &Session) -> Vec<(String, String)> {
-    let resolution = session.grid.resolution;
-    let sensors = session.sensors();
-    let numbers = |s: &Sensor| {
-        [
-            ("beta", s.half_width),
-            ("r_min", s.r_min),
-            ("r_max", s.r_max),
-            ("hit_range", s.hit_range),
-            ("no_echo_range", s.no_echo_range),
-            ("epsilon", s.epsilon(resolution)),
-        ]
-    };
-    let mut all = vec![("resolution".to_string(), resolution.to_string())];
-    for (k, (name, first)) in sensors.first().map(numbers).into_iter().flatten().enumerate() {
-        let values: Vec<String> = sensors.iter().map(|s| numbers(s)[k].1.to_string()).collect();
-        let one = values.iter().all(|v| *v == first.to_string());
-        all.push((name.into(), if one { first.to_string() } else { values.join(" ") }));
-    }
-    all.push(("mounts".into(), session.log.mounts().into()));
-    all.extend(session.method.settings().values().into_iter().map(|(k, v)| (k.to_string(), v)));
-    all
 }
 
 /// A progress bar over so many readings, on a terminal only; it goes away at the end.

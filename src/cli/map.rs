@@ -1,7 +1,7 @@
 //! `echogrid map`.
 
 use super::common::{
-    BackendArgument, LogArguments, bar, count, done, from_one, parameters, readings, spinner, warn_of_bad_lines,
+    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, warn_of_bad_lines,
     warn_of_empty_map, warn_of_jump,
 };
 use super::{note, say};
@@ -232,7 +232,7 @@ pub fn save(
 /// What a report says of a run.
 fn run_info(session: &Session, ran: &Ran, counts: Counts, seconds: Vec<(String, f64)>) -> Result<RunInfo> {
     Ok(RunInfo {
-        parameters: output::parameters(parameters(session)),
+        parameters: output::parameters(session.parameters()),
         log: LogInfo { path: session.log.path().display().to_string(), sha256: session.log.sha256()? },
         sensors: session.sensors().to_vec(),
         readings: counts,

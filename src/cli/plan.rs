@@ -1,6 +1,6 @@
 //! `echogrid plan`.
 
-use super::common::{LogArguments, bar, count, done, parameters, warn_of_bad_lines, warn_of_jump};
+use super::common::{LogArguments, bar, count, done, warn_of_bad_lines, warn_of_jump};
 use super::say;
 use crate::kernels::{Choice, choose};
 use crate::memory::{self, show};
@@ -113,7 +113,7 @@ impl Plan {
         let plan = json!({
             "method": method::name(session.method.as_ref()),
             "format": session.log.header().format,
-            "parameters": parameters(session).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
+            "parameters": session.parameters().into_iter().collect::<std::collections::BTreeMap<_, _>>(),
             "readings": session.survey.counts,
             "scans": session.survey.scans,
             "bad_lines": session.survey.bad_lines.count,
@@ -186,7 +186,7 @@ impl Plan {
         if let Some(e) = &shown.why_not {
             say!("does not fit: {e}");
         }
-        for (key, value) in parameters(session) {
+        for (key, value) in session.parameters() {
             say!("  {key} = {value}");
         }
     }

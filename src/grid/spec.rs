@@ -47,6 +47,15 @@ impl GridSpec {
         GridSpec { anchor: (0.0, 0.0), resolution, i0, j0, width, height }.check_size()
     }
 
+    /// The smallest grid that holds this one and another of the same anchor and resolution.
+    pub fn union(&self, other: &GridSpec) -> GridSpec {
+        let (i0, j0) = (self.i0.min(other.i0), self.j0.min(other.j0));
+        let end = |first: i64, size: usize| first + size as i64;
+        let right = end(self.i0, self.width).max(end(other.i0, other.width));
+        let top = end(self.j0, self.height).max(end(other.j0, other.height));
+        GridSpec { i0, j0, width: (right - i0) as usize, height: (top - j0) as usize, ..*self }
+    }
+
     /// Number of cells.
     pub fn cells(&self) -> usize {
         self.width * self.height

@@ -15,7 +15,8 @@ use crate::oracle::{self, Region, Working, WorkingCell};
 use crate::reading::{Outcome, Pose, Reading};
 use crate::sensor::{Kind, Sensor};
 use crate::{Error, Result, method};
-use outline::{Outline, Snapped};
+pub(crate) use outline::Outline;
+use outline::Snapped;
 use picture::{Layout, Panel};
 use serde::Serialize;
 use serde_json::{Map as Object, Value};
@@ -166,9 +167,9 @@ fn none(number: usize, readings: usize) -> Error {
 }
 
 /// How strong a value of a method is, 0 or more: what its shade shows.
-fn weigher(settings: &Settings) -> fn(f64) -> f64 {
+pub(crate) fn weigher(settings: &Settings) -> fn(f64) -> f64 {
     match settings {
-        Settings::Bayes(_) => |p| (2.0 * p - 1.0).abs(),
+        Settings::Bayes(_) | Settings::Features(_) => |p| (2.0 * p - 1.0).abs(),
         _ => f64::abs,
     }
 }
@@ -203,13 +204,15 @@ fn about<'a>(number: usize, reading: &Reading, sensor: &'a Sensor) -> ReadingInf
 }
 
 /// What a reading's own evidence is, by method.
-fn own_is(settings: &Settings) -> &'static str {
+pub(crate) fn own_is(settings: &Settings) -> &'static str {
     match settings {
         Settings::Certainty(_) => "certainty: Emp_k in the interior, Occ_k on the arc",
         Settings::DempsterShafer(_) => "mass: of empty in the interior, of full on the arc",
         Settings::Bayes(_) => "P(s|occupied)",
         Settings::Himm(_) => "step of the count: -1 before the hit, +3 at it",
-        Settings::Truth | Settings::Csm(_) | Settings::Features(_) => "count: 1 pass in the interior, 1 hit on the arc",
+        Settings::Truth => "count: 1 pass in the interior, 1 hit on the arc",
+        Settings::Csm(_) => "what the beam that the cell takes gives to its α",
+        Settings::Features(_) => "P(occupied) that the update says, its parts together",
     }
 }
 

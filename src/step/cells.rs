@@ -60,7 +60,7 @@ pub(super) fn place([row, column]: [u32; 2]) -> ([u32; 2], usize) {
 }
 
 /// The tile in a slot of the chunk in this row and column.
-pub(super) fn tile_at(chunk: [u32; 2], slot: u32) -> [u32; 2] {
+pub(crate) fn tile_at(chunk: [u32; 2], slot: u32) -> [u32; 2] {
     let edge = CHUNK as u32;
     [chunk[0] * edge + slot / edge, chunk[1] * edge + slot % edge]
 }

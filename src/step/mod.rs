@@ -19,11 +19,12 @@ mod snapshots;
 mod working;
 
 pub use cells::{Cell, Tiles, Touched, cell_of, tile_of};
+pub(crate) use cells::tile_at;
 pub use go::By;
 pub use history::{Event, History};
 pub use items::Items;
 pub use packed::{Packed, steps};
-pub use working::{Explained, explain};
+pub use working::{CellStory, Explained, explain};
 
 use crate::grid::GridSpec;
 use crate::kernels::Chunks;

@@ -3,6 +3,7 @@
 
 mod cache;
 mod legend;
+pub mod log;
 mod pyramid;
 mod tile;
 
@@ -11,6 +12,7 @@ pub use pyramid::{Key, Pyramid, Shown};
 pub use tile::{EDGE, Place, Tile, levels, pixels};
 
 use crate::{Error, Result};
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -28,6 +30,14 @@ pub struct Ask<'a> {
 }
 
 impl Ask<'_> {
+    /// The body as what is wanted.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] that says what is wrong with it.
+    pub fn json<T: DeserializeOwned>(&self) -> Result<T> {
+        serde_json::from_slice(self.body).map_err(|e| Error::Usage(format!("{}: the body is not what is wanted: {e}", self.path)))
+    }
+
     /// A value of the query.
     ///
     /// # Errors

@@ -12,13 +12,13 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// A point, in cells.
-pub(super) type Point = (f64, f64);
+pub(crate) type Point = (f64, f64);
 
 /// Cells from the anchor beyond which nothing is drawn.
 const FARTHEST: u64 = 1 << 40;
 
 /// What is drawn of a reading's cone.
-pub(super) struct Outline {
+pub(crate) struct Outline {
     /// Where the sensor is.
     pub sensor: Point,
     /// The axis, from the sensor to the far end.
@@ -29,7 +29,7 @@ pub(super) struct Outline {
 
 /// The reading's numbers after snapping, as the JSON shows them.
 #[derive(Serialize)]
-pub(super) struct Snapped {
+pub(crate) struct Snapped {
     /// Metres in a unit, 1/32 cell.
     unit: f64,
     /// The sensor, units from the grid's lower left corner.

@@ -1,0 +1,219 @@
+//! A log being stepped through: one method or two side by side, locked together by their place in the log.
+
+mod current;
+mod describe;
+mod gpu;
+mod lane;
+mod shown;
+mod told;
+
+pub use lane::Wanted;
+
+use super::pyramid::Pyramid;
+use super::{Answer, Ask, View};
+use crate::session::{Request, Session};
+use crate::step::{By, Stepper};
+use crate::{Error, Result};
+use lane::Lane;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::sync::{PoisonError, RwLock};
+use std::time::{Duration, Instant};
+
+/// What a lane is asked to be, made into what a session takes.
+pub type Ready = dyn Fn(&Wanted) -> Result<Request> + Send + Sync;
+
+/// How a log is looked at.
+pub struct Options {
+    /// The log.
+    pub path: PathBuf,
+    /// From a method and what is set of it to a request; its errors are shown to the user.
+    pub ready: Box<Ready>,
+    /// Threads of the kernels; 0: all.
+    pub threads: usize,
+    /// Memory that may be used, bytes; `None`: what the machine has free.
+    pub memory: Option<u64>,
+}
+
+/// A log, and one lane or two.
+pub struct LogView {
+    options: Options,
+    lanes: RwLock<Lanes>,
+    pyramid: Pyramid,
+}
+
+/// The lanes, and how often they changed.
+struct Lanes {
+    all: Vec<Lane>,
+    version: u64,
+}
+
+/// Bytes of tiles that are kept, and of each lane's snapshots.
+const TILES: usize = 256 << 20;
+const SNAPSHOTS: u64 = 256 << 20;
+/// Events of a cell's history that are told, unless asked for another number, and at most.
+const EVENTS: usize = 100;
+const MOST_EVENTS: usize = 10_000;
+
+impl LogView {
+    /// Opens a log for these lanes, one or two.
+    ///
+    /// # Errors
+    /// The log's and the parameters'; [`Error::Resources`] where memory doesn't suffice.
+    pub fn open(options: Options, lanes: &[Wanted]) -> Result<LogView> {
+        let all = make(&options, lanes)?;
+        Ok(LogView { options, lanes: RwLock::new(Lanes { all, version: 1 }), pyramid: Pyramid::new(TILES) })
+    }
+
+    /// Goes where the page asks, and says what changed.
+    fn go(&self, ask: &Ask) -> Result<Value> {
+        let Go { by, count, to, budget_ms } = ask.json()?;
+        let by = match (by.as_deref(), to) {
+            (Some("reading"), None) => By::Items(count),
+            (Some("scan"), None) => By::Scans(count),
+            (None, Some(to)) => By::To(to),
+            _ => return Err(Error::Usage("go by \"reading\" or \"scan\", so many, or to a position".into())),
+        };
+        let until = budget_ms.map(|ms| Instant::now() + Duration::from_millis(ms.min(60_000)));
+        let mut more = || until.is_none_or(|until| Instant::now() < until);
+        let mut lanes = self.lanes.write().unwrap_or_else(PoisonError::into_inner);
+        let to = lanes.all[0].stepper.target(by);
+        let changed = lanes.go(to, &mut more)?;
+        lanes.version += 1;
+        for (k, tiles) in changed.iter().enumerate() {
+            shown::forget(&self.pyramid, k, &lanes.all, tiles);
+        }
+        Ok(describe::state(&lanes, &changed, to))
+    }
+
+    /// Other methods or parameters, at the same place of the log.
+    fn remake(&self, ask: &Ask) -> Result<Value> {
+        let Remake { lanes: wanted } = ask.json()?;
+        let mut lanes = self.lanes.write().unwrap_or_else(PoisonError::into_inner);
+        let mut made = Lanes { all: make(&self.options, &wanted)?, version: lanes.version + 1 };
+        let place = lanes.all[0].next_place();
+        let to = made.all[0].position_at(place);
+        made.go(to, &mut || true)?;
+        *lanes = made;
+        shown::forget_all(&self.pyramid);
+        Ok(describe::session(&self.options, &lanes))
+    }
+
+    fn lane<T>(&self, ask: &Ask, key: &str, of: impl FnOnce(&Lane) -> Result<T>) -> Result<T> {
+        let lanes = self.lanes.read().unwrap_or_else(PoisonError::into_inner);
+        of(lanes.find(ask.number(key)?)?)
+    }
+}
+
+impl View for LogView {
+    fn answer(&self, ask: &Ask) -> Result<Answer> {
+        let json = |value: Value| Ok(Answer::Json(value));
+        match (ask.post, ask.path) {
+            (false, "api/session") => {
+                let lanes = self.lanes.read().unwrap_or_else(PoisonError::into_inner);
+                json(describe::session(&self.options, &lanes))
+            }
+            (false, "api/tile") => {
+                let lanes = self.lanes.read().unwrap_or_else(PoisonError::into_inner);
+                shown::tile(&self.pyramid, &lanes.all, ask)
+            }
+            (false, "api/cell") => {
+                let lanes = self.lanes.read().unwrap_or_else(PoisonError::into_inner);
+                json(told::cell(&lanes.all, ask)?)
+            }
+            (false, "api/working") => json(self.lane(ask, "lane", told::working)?),
+            (false, "api/history") => json(self.lane(ask, "lane", |lane| told::history(lane, ask))?),
+            (true, "api/go") => json(self.go(ask)?),
+            (true, "api/lanes") => json(self.remake(ask)?),
+            (false, "api/gpu/plan") => json(self.lane(ask, "lane", |lane| Ok(gpu::plan(lane)))?),
+            (false, "api/gpu/wgsl") => self.lane(ask, "lane", |lane| gpu::wgsl(lane, ask)),
+            (false, "api/gpu/batch") => self.lane(ask, "lane", |lane| gpu::batch(lane, ask)),
+            (true, "api/gpu/share") => self.lane(ask, "lane", |lane| gpu::share(lane, ask)),
+            (true, "api/gpu/words" | "api/gpu/reset") => {
+                let mut lanes = self.lanes.write().unwrap_or_else(PoisonError::into_inner);
+                let k = ask.number("lane")?;
+                lanes.find(k)?;
+                let (told, tiles) = match ask.path {
+                    "api/gpu/words" => gpu::words(&mut lanes.all[k], ask)?,
+                    _ => (json!({}), gpu::reset(&mut lanes.all[k])),
+                };
+                shown::forget(&self.pyramid, k, &lanes.all, &tiles);
+                json(told)
+            }
+            _ => Ok(Answer::Unknown),
+        }
+    }
+}
+
+impl Lanes {
+    fn find(&self, k: usize) -> Result<&Lane> {
+        let count = self.all.len();
+        self.all.get(k).ok_or_else(|| Error::Usage(format!("there is no lane {k}: there are {count}, from 0")))
+    }
+
+    /// Brings the first lane to a position, while there is time, and the others to the same place of the log; what changed in each.
+    fn go(&mut self, to: usize, more: &mut dyn FnMut() -> bool) -> Result<Vec<crate::step::Tiles>> {
+        let mut changed = vec![self.all[0].stepper.go(to, more)?];
+        let Some((first, rest)) = self.all.split_first_mut() else { return Ok(changed) };
+        for lane in rest {
+            let to = match lane.steps_as(first) {
+                true => first.stepper.position(),
+                false => lane.position_at(first.next_place()),
+            };
+            // It is as quick, or else it would fall behind.
+            changed.push(lane.stepper.go(to, &mut || true)?);
+        }
+        Ok(changed)
+    }
+}
+
+/// Opens a session for each lane, on one grid.
+fn make(options: &Options, wanted: &[Wanted]) -> Result<Vec<Lane>> {
+    if wanted.is_empty() || wanted.len() > 2 {
+        return Err(Error::Usage(format!("one method or two side by side, not {}", wanted.len())));
+    }
+    let open = |wanted: &Wanted| Session::open(&options.path, &(options.ready)(wanted)?);
+    let mut sessions = wanted.iter().map(open).collect::<Result<Vec<_>>>()?;
+    let grid = sessions.iter().map(|s| s.grid).reduce(|a, b| a.union(&b));
+    let (mut lanes, count) = (Vec::new(), sessions.len() as u64);
+    for (mut session, wanted) in sessions.drain(..).zip(wanted) {
+        session.grid = grid.unwrap_or(session.grid);
+        let share = options.memory.map(|m| m / count);
+        let stepper = Stepper::open(session, options.threads, share, SNAPSHOTS)?;
+        lanes.push(Lane::new(stepper, wanted.clone()));
+    }
+    Ok(lanes)
+}
+
+/// What `api/go` takes.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Go {
+    by: Option<String>,
+    #[serde(default = "one")]
+    count: i64,
+    to: Option<usize>,
+    budget_ms: Option<u64>,
+}
+
+fn one() -> i64 {
+    1
+}
+
+/// What `api/lanes` takes.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Remake {
+    lanes: Vec<Wanted>,
+}
+
+/// Numbers that are not finite are null.
+fn number(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}
+
+/// The same of f32, with the digits that it has.
+fn short(value: f32) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}
