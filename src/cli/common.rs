@@ -360,6 +360,24 @@ pub fn done(session: &Session) -> u8 {
 }
 
 impl LogArguments {
+    /// An option that was given and says how a log is mapped, if there is one. One that says what is so anyhow isn't found.
+    pub fn changed(&self) -> Option<&'static str> {
+        let plain = LogArguments::plain(&self.log);
+        let given = [
+            ("--method", self.method != plain.method),
+            ("--resolution", self.resolution != plain.resolution),
+            ("--bounds", self.bounds.is_some()),
+            ("--sensor", self.sensor.is_some()),
+            ("--sensor-file", self.sensor_file.is_some()),
+            ("--classes", self.classes.is_some()),
+            ("--set", !self.set.is_empty()),
+            ("--until", self.until.is_some()),
+            ("--strict", self.strict),
+            ("--batch", self.batch != plain.batch),
+        ];
+        given.iter().find(|(_, given)| *given).map(|(option, _)| *option)
+    }
+
     /// A log with every default.
     pub fn plain(log: &std::path::Path) -> LogArguments {
         LogArguments {
