@@ -50,7 +50,7 @@ impl BackendArgument {
 }
 
 /// A log and how to map it.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct LogArguments {
     /// The log: a file, a sonar_ring_8 folder, or - for standard input; its format is found by content
     pub log: PathBuf,
@@ -202,16 +202,33 @@ impl LogArguments {
     /// What they ask for.
     pub fn request(&self) -> Result<Request> {
         use_threads(self.threads)?;
-        method::entry(&self.method)?;
-        let mut settings =
-            Settings::of(&self.method).ok_or_else(|| Error::Usage(format!("no method {}", self.method)))?;
+        let request = self.request_of(&self.method, &self.pairs()?)?;
+        for (key, why) in idle(&request.settings, &self.set) {
+            note!("--set {key} has no effect with {why}");
+        }
+        if self.classes.is_some() && !matches!(request.settings, Settings::Csm(c) if c.semantic) {
+            note!("--classes has no effect with {}: it knows no class labels", self.method);
+        }
+        Ok(request)
+    }
+
+    /// The keys and values of `--set`.
+    pub fn pairs(&self) -> Result<Vec<(String, String)>> {
+        let pair = |text: &String| match text.split_once('=') {
+            Some((key, value)) => Ok((key.to_string(), value.to_string())),
+            None => Err(Error::Usage(format!("--set {text} has no value: write --set key=value"))),
+        };
+        self.set.iter().map(pair).collect()
+    }
+
+    /// The same of another method with other parameters.
+    pub fn request_of(&self, name: &str, set: &[(String, String)]) -> Result<Request> {
+        method::entry(name)?;
+        let mut settings = Settings::of(name).ok_or_else(|| Error::Usage(format!("no method {name}")))?;
         let mut overrides = Overrides::default();
-        for text in &self.set {
-            let (key, value) = text
-                .split_once('=')
-                .ok_or_else(|| Error::Usage(format!("--set {text} has no value: write --set key=value")))?;
+        for (key, value) in set {
             if !overrides.set(key, value)? && !settings.set(key, value)? {
-                return Err(Error::Usage(format!("--set {text}: {}", unknown_key(&self.method, &settings, key))));
+                return Err(Error::Usage(format!("--set {key}={value}: {}", unknown_key(name, &settings, key))));
             }
         }
         let bounds = bounds(self.bounds.as_deref(), self.resolution)?;
@@ -219,12 +236,6 @@ impl LogArguments {
             KindArgument::Sonar => Kind::Sonar,
             KindArgument::Laser => Kind::Laser,
         });
-        for (key, why) in idle(&settings, &self.set) {
-            note!("--set {key} has no effect with {why}");
-        }
-        if self.classes.is_some() && !matches!(settings, Settings::Csm(c) if c.semantic) {
-            note!("--classes has no effect with {}: it knows no class labels", self.method);
-        }
         Ok(Request {
             log: log::Options {
                 kind,
@@ -335,6 +346,24 @@ pub fn done(session: &Session) -> u8 {
 }
 
 impl LogArguments {
+    /// An option that was given and says how a log is mapped, if there is one. One that says what is so anyhow isn't found.
+    pub fn changed(&self) -> Option<&'static str> {
+        let plain = LogArguments::plain(&self.log);
+        let given = [
+            ("--method", self.method != plain.method),
+            ("--resolution", self.resolution != plain.resolution),
+            ("--bounds", self.bounds.is_some()),
+            ("--sensor", self.sensor.is_some()),
+            ("--sensor-file", self.sensor_file.is_some()),
+            ("--classes", self.classes.is_some()),
+            ("--set", !self.set.is_empty()),
+            ("--until", self.until.is_some()),
+            ("--strict", self.strict),
+            ("--batch", self.batch != plain.batch),
+        ];
+        given.iter().find(|(_, given)| *given).map(|(option, _)| *option)
+    }
+
     /// A log with every default.
     pub fn plain(log: &std::path::Path) -> LogArguments {
         LogArguments {

@@ -14,6 +14,7 @@ mod score;
 mod simulate;
 mod truth;
 mod verify;
+mod view;
 
 use crate::Result;
 use clap::{Parser, Subcommand};
@@ -57,6 +58,8 @@ enum Command {
     Verify(verify::Verify),
     /// Compare two saved maps, layer by layer; exit code 1 if they differ
     Compare(compare::Compare),
+    /// Look at a log, reading by reading, or at a saved map, in a browser
+    View(view::Command),
     /// Score maps against the truth, side by side; exit code 1 if a --require does not hold
     Score(score::Command),
     /// Read a stored map through: checksums, and sums against its report; exit code 1 if it is damaged
@@ -86,6 +89,7 @@ impl Arguments {
             Command::Map(c) => c.run(),
             Command::Verify(c) => c.run(),
             Command::Compare(c) => c.run(),
+            Command::View(c) => c.run(),
             Command::Score(c) => c.run(),
             Command::Check(c) => c.run(),
             Command::Plan(c) => c.run(),

@@ -116,6 +116,11 @@ pub(super) fn is_map(path: &Path) -> bool {
     report.get("method").is_some() && report.get("version").is_some() && path.join("map.zarr").is_dir()
 }
 
+/// Whether a folder is meant as a map, whole or damaged: no log looks so.
+pub(crate) fn seems_map(path: &Path) -> bool {
+    path.join("map.zarr").is_dir() || path.join("report.json").is_file()
+}
+
 /// Old maps that a killed run left beside `target`.
 pub(super) fn leftovers(target: &Path) -> Vec<PathBuf> {
     let Some(name) = target.file_name().and_then(|n| n.to_str()) else { return Vec::new() };

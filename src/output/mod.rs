@@ -18,12 +18,14 @@ mod zarr;
 pub use check::{Checked, check};
 pub use features::write_features;
 pub use folder::Folder;
+pub(crate) use folder::seems_map;
 pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
 pub use ros::read_ros;
 pub use working::write_working;
 pub(crate) use working::{Outline as ConeOutline, own_is, weigher};
 pub use writer::{MapWriter, Outline, cut, head};
+pub(crate) use zarr::{Pieces, Stored, StoredLayer};
 pub use zarr::{StoredMap, read_map};
 
 use crate::grid::{Layer, Map};

@@ -20,10 +20,14 @@ use zarrs::array::{
 use zarrs::filesystem::FilesystemStore;
 use zarrs::group::GroupBuilder;
 
+mod piece;
 mod read;
+mod stored;
 
+pub(crate) use piece::Pieces;
 pub(super) use read::Reader;
 pub use read::{StoredMap, read_map};
+pub(crate) use stored::{Stored, StoredLayer};
 
 const SHARD: usize = 1024;
 const CHUNK: usize = 256;

@@ -18,6 +18,7 @@ mod truth;
 pub use cells::Cells;
 pub use levels::{NOT_COMPARED, Zones, level};
 pub use numbers::Numbers;
+pub(crate) use picture::LEVELS;
 pub use probability::{Quality, probabilities};
 pub use report::write_report;
 pub use require::{Check, Requirement};

@@ -10,7 +10,7 @@ const LARGEST: usize = 4096;
 /// Cells that aren't compared; no shade of grey.
 const OUTSIDE: [u8; 3] = [168, 180, 196];
 /// Each level's colour, ever darker; the danger zone's are red.
-const LEVELS: [[u8; 3]; 10] =
+pub(crate) const LEVELS: [[u8; 3]; 10] =
     [[255; 3], [238; 3], [212; 3], [196; 3], [180; 3], [150; 3], [120; 3], [170, 40, 45], [120, 10, 20], [50, 0, 8]];
 
 /// A level's colour, as CSS takes it.

@@ -1,14 +1,20 @@
 //! `echogrid view`: what a page in the browser is told. A [`View`] answers its questions, as plain functions; the server around it
 //! keeps everybody else out. `web/README.md` says what is asked and answered.
 
+mod answer;
 mod cache;
+mod guard;
 mod legend;
 pub mod log;
+pub mod map;
+mod page;
 mod pyramid;
+mod server;
 mod tile;
 
 pub use legend::legend;
 pub use pyramid::{Key, Pyramid, Shown};
+pub use server::{Options, Server, serve};
 pub use tile::{EDGE, Place, Tile, levels, pixels};
 
 use crate::{Error, Result};

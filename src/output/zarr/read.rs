@@ -41,8 +41,8 @@ fn read_folder(path: &Path) -> Tried<StoredMap> {
     let report: Value = serde_json::from_slice(&std::fs::read(path.join("report.json"))?)?;
     let reader = Reader::open(&path.join("map.zarr"))?;
     let layers = (0..reader.arrays.len()).map(|k| reader.layer(k)).collect::<Tried<Vec<Layer>>>()?;
+    let method = reader.method();
     let attributes = reader.attributes;
-    let method = attributes.get("method").and_then(Value::as_str).unwrap_or_default().to_string();
     let updates = attributes.get("updates").and_then(Value::as_u64).unwrap_or_default();
     let increments = serde_json::from_value(report["increments"].clone()).unwrap_or_default();
     let map = Map { grid: reader.grid, method, layers, updates, increments };
@@ -52,6 +52,7 @@ fn read_folder(path: &Path) -> Tried<StoredMap> {
 /// An open store.
 pub(in crate::output) struct Reader {
     path: PathBuf,
+    store: Arc<FilesystemStore>,
     /// The cells.
     pub grid: GridSpec,
     attributes: Object<String, Value>,
@@ -76,7 +77,29 @@ impl Reader {
             Ok(array)
         };
         let arrays = names.iter().map(array).collect::<Tried<_>>()?;
-        Ok(Reader { path: path.into(), grid, attributes, arrays, names })
+        Ok(Reader { path: path.into(), store, grid, attributes, arrays, names })
+    }
+
+    /// The method's name.
+    pub fn method(&self) -> String {
+        self.attributes.get("method").and_then(Value::as_str).unwrap_or_default().to_string()
+    }
+
+    /// Another array of the store.
+    pub(super) fn array(&self, name: &str) -> Tried<Array<FilesystemStore>> {
+        Ok(Array::open(self.store.clone(), &format!("/{name}"))?)
+    }
+
+    /// How many levels a group of the store has.
+    pub(super) fn levels(&self, name: &str) -> Tried<usize> {
+        let group = Group::open(self.store.clone(), &format!("/{name}"))?;
+        let levels = group.attributes().get("ome").and_then(|ome| ome["multiscales"][0]["datasets"].as_array());
+        Ok(levels.map_or(0, Vec::len).min(25))
+    }
+
+    /// The layers, each with its name.
+    pub(super) fn arrays(self) -> impl Iterator<Item = (String, Array<FilesystemStore>)> {
+        self.names.into_iter().zip(self.arrays)
     }
 
     /// The layers' names.
@@ -160,19 +183,23 @@ impl Reader {
         } else {
             return Err(format!("layer {name} has a data type that echogrid doesn't write: {kind:?}").into());
         };
-        let ends = array.attributes().get("colour_range").and_then(Value::as_array);
-        let end = |k: usize, default: f64| ends.and_then(|e| e.get(k)).and_then(Value::as_f64).unwrap_or(default);
-        let scale = match array.attributes().get("scale").and_then(Value::as_str) {
-            Some("signed") => Scale::Signed { limit: end(1, 1.0) },
-            Some("heat") => Scale::Heat { low: end(0, 0.0), high: end(1, 1.0) },
-            Some("classes") => {
-                let colours = array.attributes().get("class_colours").cloned().unwrap_or_default();
-                let colours: Vec<[u8; 3]> = serde_json::from_value(colours).unwrap_or_default();
-                Scale::Classes(Palette::of(&colours).unwrap_or(Palette::plain()))
-            }
-            _ => Scale::Grey { low: end(0, 0.0), high: end(1, 1.0) },
-        };
-        Ok(Layer { name: name.clone(), about: "", data, fill: self.fill(layer), scale })
+        Ok(Layer { name: name.clone(), about: "", data, fill: self.fill(layer), scale: scale(array) })
+    }
+}
+
+/// A layer's colours.
+pub(super) fn scale(array: &Array<FilesystemStore>) -> Scale {
+    let ends = array.attributes().get("colour_range").and_then(Value::as_array);
+    let end = |k: usize, default: f64| ends.and_then(|e| e.get(k)).and_then(Value::as_f64).unwrap_or(default);
+    match array.attributes().get("scale").and_then(Value::as_str) {
+        Some("signed") => Scale::Signed { limit: end(1, 1.0) },
+        Some("heat") => Scale::Heat { low: end(0, 0.0), high: end(1, 1.0) },
+        Some("classes") => {
+            let colours = array.attributes().get("class_colours").cloned().unwrap_or_default();
+            let colours: Vec<[u8; 3]> = serde_json::from_value(colours).unwrap_or_default();
+            Scale::Classes(Palette::of(&colours).unwrap_or(Palette::plain()))
+        }
+        _ => Scale::Grey { low: end(0, 0.0), high: end(1, 1.0) },
     }
 }
 

@@ -1,0 +1,126 @@
+//! `echogrid view`.
+
+use super::common::LogArguments;
+use super::{note, say};
+use crate::output::seems_map;
+use crate::view::log::{self, LogView, Wanted};
+use crate::view::map::{Beside, MapView};
+use crate::view::{Options, Server, View, serve};
+use crate::{Error, Result, memory};
+use std::io::Write;
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Arguments of `view`.
+#[derive(Debug, clap::Args)]
+#[command(
+    mut_arg("log", |a| a.value_name("PATH").help(
+        "A map's folder, or a log: a file, a sonar_ring_8 folder, or - for standard input")),
+    after_help = AFTER,
+)]
+pub struct Command {
+    #[command(flatten)]
+    log: LogArguments,
+    /// Of a log: a second method beside the first, and their difference
+    #[arg(long, value_name = "METHOD")]
+    beside: Option<String>,
+    /// Of a map: another map beside it, of cells of the same size, and their difference
+    #[arg(long, value_name = "DIR")]
+    with: Option<PathBuf>,
+    /// Of a map: what is true, a world's .toml or a map, to see the map's errors and its score
+    #[arg(long, value_name = "WORLD|MAP")]
+    truth: Option<PathBuf>,
+    /// Address to listen on; any but this one lets other machines in, unencrypted
+    #[arg(long, value_name = "ADDR", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    bind: IpAddr,
+    /// Port to listen on [default: one that is free]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    port: u16,
+    /// Memory that may be used, such as 4GiB [default: what the machine has free]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    memory: Option<u64>,
+}
+
+const AFTER: &str =
+    "It prints the page's address, whose middle part is a secret made anew each time, and serves until Ctrl-C. \
+Nothing is sent elsewhere, and no browser is opened.
+
+A map is opened whatever its size: only what is looked at is read. Options of a log's mapping and --beside are for logs, --with and \
+--truth for maps.
+
+On another machine: ssh -L PORT:127.0.0.1:PORT HOST there, then the same address in a browser there.";
+
+impl Command {
+    /// Serves the page until Ctrl-C.
+    pub fn run(self) -> Result<u8> {
+        let view = self.open()?;
+        let options = Options { bind: self.bind, port: self.port };
+        serve(view, &options, &|server| self.announce(server))?;
+        Ok(0)
+    }
+
+    fn open(&self) -> Result<Arc<dyn View>> {
+        let path = &self.log.log;
+        if seems_map(path) {
+            let beside = self.beside.as_ref().map(|_| "--beside");
+            if let Some(option) = self.log.changed().or(beside) {
+                return Err(Error::Usage(format!(
+                    "{option} is for logs: {} is a map, made already; `echogrid map` makes one anew",
+                    path.display()
+                )));
+            }
+            super::common::use_threads(self.log.threads)?;
+            let beside = Beside { with: self.with.as_deref(), truth: self.truth.as_deref(), memory: self.memory };
+            return Ok(Arc::new(MapView::open(path, &beside)?));
+        }
+        if self.with.is_some() || self.truth.is_some() {
+            let option = if self.with.is_some() { "--with" } else { "--truth" };
+            return Err(Error::Usage(format!(
+                "{option} is for maps: {} is none, a folder with report.json and map.zarr",
+                path.display()
+            )));
+        }
+        self.open_log()
+    }
+
+    /// A log to step through.
+    fn open_log(&self) -> Result<Arc<dyn View>> {
+        let arguments = &self.log;
+        if arguments.log.as_os_str() == "-" {
+            let what = "a log is read anew for each method and parameter: write standard input to a file, and give that";
+            return Err(Error::Usage(what.into()));
+        }
+        // The first time with what it has to say of parameters.
+        arguments.request()?;
+        let own = Wanted { method: arguments.method.clone(), set: arguments.pairs()?.into_iter().collect() };
+        let mut lanes = vec![own];
+        if let Some(method) = &self.beside {
+            lanes.push(Wanted { method: method.clone(), set: Default::default() });
+        }
+        let again = LogArguments { set: Vec::new(), ..arguments.clone() };
+        let ready = move |wanted: &Wanted| {
+            let set: Vec<(String, String)> = wanted.set.clone().into_iter().collect();
+            again.request_of(&wanted.method, &set)
+        };
+        let options = log::Options {
+            path: arguments.log.clone(),
+            ready: Box::new(ready),
+            threads: arguments.threads,
+            memory: self.memory,
+        };
+        Ok(Arc::new(LogView::open(options, &lanes)?))
+    }
+
+    fn announce(&self, server: &Server) {
+        say!("{}", server.address());
+        let _ = std::io::stdout().flush();
+        let port = server.port();
+        if self.bind.is_loopback() {
+            note!("from another machine: ssh -L {port}:127.0.0.1:{port} HOST, then open the same address there");
+        } else {
+            note!("it listens on {}: whoever has the address can look, and nothing is encrypted", self.bind);
+        }
+        note!("Ctrl-C ends it");
+    }
+}

@@ -1,0 +1,153 @@
+//! The server of `echogrid view`: it listens on one address of this machine, by default one that only this machine
+//! reaches, and answers whoever knows its token.
+
+use super::View;
+use super::answer::Desk;
+use crate::{Error, Result};
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use std::convert::Infallible;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::runtime::Runtime;
+use tokio::sync::Semaphore;
+
+/// Connections at once; others wait to be accepted.
+const CONNECTIONS: usize = 1024;
+/// How long a request's head may take, and a connection lie idle.
+const HEAD_TIME: Duration = Duration::from_secs(10);
+/// Bytes of a request's head at most.
+const HEAD: usize = 64 << 10;
+/// After a connection could not be accepted, for want of file handles say.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Where to listen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// The address of this machine; 127.0.0.1 is reached from this machine only.
+    pub bind: IpAddr,
+    /// The port; 0: one that is free.
+    pub port: u16,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options { bind: Ipv4Addr::LOCALHOST.into(), port: 0 }
+    }
+}
+
+/// A server that listens, until it is dropped.
+#[derive(Debug)]
+pub struct Server {
+    at: SocketAddr,
+    token: String,
+    runtime: Option<Runtime>,
+}
+
+impl Server {
+    /// Begins to listen, and to answer from `view`.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where the address can't be listened on.
+    pub fn open(view: Arc<dyn View>, options: &Options) -> Result<Server> {
+        let failed = |what: &str| Error::Resources(format!("the server can't be started: {what}"));
+        let token = token().map_err(|e| failed(&e.to_string()))?;
+        let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
+        let runtime = runtime.map_err(|e| failed(&e.to_string()))?;
+        let wanted = SocketAddr::new(options.bind, options.port);
+        let listener = runtime.block_on(TcpListener::bind(wanted)).map_err(|e| {
+            Error::Resources(format!("{wanted} can't be listened on: {e}; give another --port, or another --bind"))
+        })?;
+        let at = listener.local_addr().map_err(|e| failed(&e.to_string()))?;
+        raise_limit();
+        runtime.spawn(listen(listener, Arc::new(Desk::new(view, token.clone()))));
+        Ok(Server { at, token, runtime: Some(runtime) })
+    }
+
+    /// The page's address, token and all. A server that listens on every address is told by one of this machine.
+    pub fn address(&self) -> String {
+        let mut at = self.at;
+        if at.ip().is_unspecified() {
+            at.set_ip(Ipv4Addr::LOCALHOST.into());
+        }
+        format!("http://{at}/{}/", self.token)
+    }
+
+    /// The port that it listens on.
+    pub fn port(&self) -> u16 {
+        self.at.port()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        if let Some(runtime) = self.runtime.take() {
+            runtime.shutdown_background(); // what the view is still at is not waited for
+        }
+    }
+}
+
+/// Serves a view until Ctrl-C; `started` hears when it listens.
+///
+/// # Errors
+/// As [`Server::open`].
+pub fn serve(view: Arc<dyn View>, options: &Options, started: &dyn Fn(&Server)) -> Result<()> {
+    let server = Server::open(view, options)?;
+    if let Some(runtime) = &server.runtime {
+        let interrupted = runtime.spawn(tokio::signal::ctrl_c());
+        started(&server);
+        let heard = runtime.block_on(interrupted).map_err(|e| e.to_string());
+        heard
+            .and_then(|r| r.map_err(|e| e.to_string()))
+            .map_err(|e| Error::Resources(format!("Ctrl-C can't be waited for: {e}")))?;
+    }
+    Ok(())
+}
+
+async fn listen(listener: TcpListener, desk: Arc<Desk>) {
+    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    loop {
+        let Ok(place) = places.clone().acquire_owned().await else { return };
+        let Ok((stream, _)) = listener.accept().await else {
+            tokio::time::sleep(PAUSE).await;
+            continue;
+        };
+        let _ = stream.set_nodelay(true);
+        let desk = desk.clone();
+        tokio::spawn(async move {
+            let service = service_fn(|request| {
+                let desk = desk.clone();
+                async move { Ok::<_, Infallible>(desk.answer(request).await) }
+            });
+            let mut connection = http1::Builder::new();
+            connection.timer(TokioTimer::new()).header_read_timeout(HEAD_TIME).max_buf_size(HEAD);
+            // A client that breaks off is its own affair.
+            let _ = connection.serve_connection(TokioIo::new(stream), service).await;
+            drop(place);
+        });
+    }
+}
+
+/// 128 random bits in hexadecimal.
+fn token() -> std::result::Result<String, getrandom::Error> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes)?;
+    Ok(bytes.iter().map(|b| format!("{b:02x}")).collect())
+}
+
+/// Asks the system for as many file handles as connections and maps may take: often 1024 is only where it starts.
+fn raise_limit() {
+    #[cfg(unix)]
+    {
+        use rustix::process::{Resource, getrlimit, setrlimit};
+        const WANTED: u64 = 4096;
+        let mut limit = getrlimit(Resource::Nofile);
+        if limit.current.is_some_and(|n| n < WANTED) {
+            limit.current = Some(limit.maximum.map_or(WANTED, |most| most.min(WANTED)));
+            let _ = setrlimit(Resource::Nofile, limit);
+        }
+    }
+}

@@ -1,0 +1,158 @@
+// The inspected cell: its state in every source, and the readings that touched it with what each did.
+
+import { api } from "./api";
+import { byId, make, pairs, table } from "./dom";
+import { change, count, metres, number } from "./format";
+import type { Model } from "./model";
+import type { CellSource, Chosen, History, HistoryEvent } from "./protocol";
+
+const FIRST = 100;
+
+export class Inspect {
+  private readonly box = byId("cell", HTMLDivElement);
+  private readonly past = byId("history", HTMLDivElement);
+  private readonly details = byId("history-details", HTMLDetailsElement);
+  private readonly lane = byId("history-lane", HTMLSelectElement);
+  private running = false;
+  private again = false;
+  private many = FIRST;
+
+  constructor(
+    private readonly model: Model,
+    private readonly failed: (why: string) => void,
+  ) {
+    this.details.hidden = !model.log;
+    model.on(["pick"], () => {
+      this.many = FIRST;
+      void this.refresh();
+    });
+    model.on(["session", "state", "compute"], () => void this.refresh());
+    model.on(["session"], () => this.lanes());
+    this.details.addEventListener("toggle", () => void this.refresh());
+    this.lane.addEventListener("change", () => void this.refresh());
+    this.lanes();
+    this.show();
+  }
+
+  private lanes(): void {
+    const { sources } = this.model.session;
+    const kept = this.lane.value;
+    this.lane.replaceChildren(...sources.map((s, k) => make("option", { value: k }, s.name)));
+    this.lane.value = Number(kept) < sources.length && kept ? kept : "0";
+    byId("history-lane-field", HTMLLabelElement).hidden = sources.length < 2;
+  }
+
+  /** Asks anew, one question at a time, the newest last. */
+  private async refresh(): Promise<void> {
+    if (this.running) {
+      this.again = true;
+      return;
+    }
+    this.running = true;
+    try {
+      do {
+        this.again = false;
+        await this.fetch();
+      } while (this.again);
+    } catch (e) {
+      this.failed(e instanceof Error ? e.message : String(e));
+    } finally {
+      this.running = false;
+    }
+  }
+
+  private async fetch(): Promise<void> {
+    const { model } = this;
+    const place = model.picked;
+    if (!place) return this.show();
+    const cell = await api.cell(...place);
+    if (model.picked !== place) return;
+    model.cell = cell;
+    model.tell("cell");
+    this.show();
+    if (!model.log || !this.details.open) return;
+    const lane = Number(this.lane.value) || 0;
+    const history = await api.history(lane, ...place, this.many);
+    if (model.picked === place) this.showHistory(history);
+  }
+
+  private show(): void {
+    const { cell, picked } = this.model;
+    if (!picked) {
+      this.box.replaceChildren(make("p", {}, "Click a cell, or press C, move with the arrow keys and press Enter."));
+      this.past.replaceChildren();
+      return;
+    }
+    if (!cell) return;
+    const place = pairs([
+      ["column, row", `${cell.column}, ${cell.row}`],
+      ["centre", `x ${metres(cell.x)}, y ${metres(cell.y)}`],
+    ]);
+    this.box.replaceChildren(place, ...cell.sources.map((s) => this.source(s)));
+  }
+
+  private source(source: CellSource): HTMLElement {
+    const entries: [string, string][] = [["class", source.touched ? source.class : `${source.class}, never reached`]];
+    if (source.interior !== undefined) entries.push(["times in the interior", count(source.interior)]);
+    if (source.arc !== undefined) entries.push(["times on the arc", count(source.arc)]);
+    for (const [name, value] of source.values) entries.push([name, number(value)]);
+    const parts: Node[] = [make("h3", {}, source.name), pairs(entries)];
+    if (source.chosen?.length) parts.push(chosen(source.chosen));
+    return make("section", { class: "source", "data-source": source.name }, ...parts);
+  }
+
+  private showHistory({ total, layers, events, note }: History): void {
+    const parts: Node[] = [];
+    if (note) parts.push(make("p", {}, note));
+    if (!events.length) parts.push(make("p", {}, "No reading touched this cell yet."));
+    else
+      parts.push(
+        table(
+          ["reading", "where", "own", "before → after", "scan", "sensor", "range"],
+          events.map((e) => this.event(e, layers)),
+          `${count(total)} readings touched it; latest first`,
+        ),
+      );
+    if (events.length < total) {
+      const more = make("button", { type: "button", id: "more-history" }, `more (${count(total - events.length)})`);
+      more.addEventListener("click", () => {
+        this.many *= 4;
+        void this.refresh();
+      });
+      parts.push(more);
+    }
+    this.past.replaceChildren(...parts);
+  }
+
+  private event(e: HistoryEvent, layers: string[]): (string | Node)[] {
+    const range = e.outcome === "no_echo" ? "no echo" : e.range === null ? "–" : metres(e.range);
+    const title = `line ${e.line}${e.t === null ? "" : `, t = ${number(e.t)} s`}`;
+    return [
+      make("span", { title }, String(e.number)),
+      e.region,
+      number(e.own),
+      change(layers, e.before, e.after),
+      String(e.scan),
+      e.sensor,
+      range,
+    ];
+  }
+}
+
+/** The chosen poses and beams of a counting sensor model, whatever the server tells of them. */
+function chosen(list: Chosen[]): HTMLElement {
+  const keys = [...new Set(list.flatMap((c) => Object.keys(c)))].filter((k) => k !== "pose" && k !== "ray");
+  const value = (c: Chosen, key: string): string => {
+    const found = c[key];
+    return typeof found === "number" || typeof found === "string" || found === null
+      ? number(found)
+      : found === undefined
+        ? "–"
+        : JSON.stringify(found);
+  };
+  return table(
+    keys,
+    list.map((c) => keys.map((k) => value(c, k))),
+    "chosen poses and beams",
+  );
+}

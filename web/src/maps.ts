@@ -1,0 +1,66 @@
+// Saved maps: another map or the truth beside or over the first, the scores, the report.
+
+import { byId, make, pairs } from "./dom";
+import { number } from "./format";
+import type { Arrangement, Model } from "./model";
+import type { Json } from "./protocol";
+
+/** A tree of JSON: plain values as pairs, what holds others as a part that opens. */
+function tree(value: { [key: string]: Json }): Node[] {
+  const plain: [string, string][] = [];
+  const deep: Node[] = [];
+  for (const [key, inner] of Object.entries(value)) {
+    const name = key.replaceAll("_", " ");
+    if (inner === null || typeof inner !== "object") {
+      plain.push([name, typeof inner === "number" ? number(inner) : String(inner ?? "–")]);
+    } else if (Array.isArray(inner)) {
+      plain.push([name, JSON.stringify(inner)]);
+    } else {
+      deep.push(make("details", {}, make("summary", {}, name), ...tree(inner)));
+    }
+  }
+  return [...(plain.length ? [pairs(plain)] : []), ...deep];
+}
+
+export function showMaps(model: Model): void {
+  const { session, look } = model;
+  const [several, score] = [session.sources.length > 1, session.score];
+  byId("compare-details", HTMLDetailsElement).hidden = !several;
+  byId("score-details", HTMLDetailsElement).hidden = !score;
+  byId("report-details", HTMLDetailsElement).hidden = !session.report;
+  if (score) byId("score", HTMLDivElement).replaceChildren(...tree(score));
+  if (session.report) byId("report", HTMLDivElement).replaceChildren(...tree(session.report));
+  if (!several) return;
+
+  const other = byId("other", HTMLSelectElement);
+  const view = byId("other-view", HTMLSelectElement);
+  const opacity = byId("opacity", HTMLInputElement);
+  const arrangement = byId("arrangement", HTMLSelectElement);
+  other.replaceChildren(
+    ...session.sources
+      .slice(1)
+      .map((s, k) => make("option", { value: k + 1 }, `${s.name}${s.kind === "truth" ? " (truth)" : ""}`)),
+  );
+  const views = () => {
+    const names = model.source(look.other)?.views.map((v) => v.name) ?? [];
+    view.replaceChildren(
+      make("option", { value: "" }, "the same"),
+      ...names.map((n) => make("option", { value: n }, n)),
+    );
+    view.value = names.includes(look.otherView) ? look.otherView : "";
+  };
+  other.addEventListener("change", () => {
+    model.choose({ other: Number(other.value), otherView: "" });
+    views();
+  });
+  view.addEventListener("change", () => model.choose({ otherView: view.value }));
+  arrangement.addEventListener("change", () => model.choose({ arrangement: arrangement.value as Arrangement }));
+  opacity.addEventListener("input", () => model.choose({ opacity: Number(opacity.value) / 100 }));
+  const refresh = () => {
+    byId("opacity-field", HTMLLabelElement).hidden = look.arrangement !== "over";
+    opacity.setAttribute("aria-valuetext", `${opacity.value} %`);
+  };
+  model.on(["look"], refresh);
+  views();
+  refresh();
+}

@@ -1,0 +1,163 @@
+// What the page knows, and who wants to hear of it. Parts of the page talk to each other through this alone.
+
+import type { Cell, LaneState, Place, Session, Source, State, Step, View, Working } from "./protocol";
+import { type SourceId, Tiles } from "./tiles";
+import { Viewport } from "./viewport";
+
+/** The view that the page draws by itself. */
+export const WORKING = "working";
+
+/** How two sources are seen together. */
+export type Arrangement = "alone" | "over" | "beside";
+
+/** What the user chose to see. */
+export interface Look {
+  view: string;
+  step: Step;
+  marks: boolean;
+  outline: boolean;
+  axes: boolean;
+  follow: boolean;
+  /** Of a map: the other source, how it is shown, how strong, and which of its views ("": the same). */
+  other: number;
+  arrangement: Arrangement;
+  opacity: number;
+  otherView: string;
+}
+
+export type Topic = "session" | "state" | "look" | "pick" | "cell" | "working" | "hover" | "compute" | "view";
+
+export class Model {
+  readonly look: Look = {
+    view: "combined",
+    step: "own",
+    marks: true,
+    outline: true,
+    axes: true,
+    follow: false,
+    other: 1,
+    arrangement: "alone",
+    opacity: 0.5,
+    otherView: "",
+  };
+  state: State | null = null;
+  workings: (Working | null)[] = [];
+  /** The cell that is inspected, and what is known of it. */
+  picked: Place | null = null;
+  cell: Cell | null = null;
+  /** The cell that keys move, while they do. */
+  cursor: Place | null = null;
+  hover: Place | null = null;
+  readonly viewport: Viewport;
+  readonly tiles: Tiles;
+  private readonly hearers = new Map<Topic, (() => void)[]>();
+
+  constructor(public session: Session) {
+    this.viewport = new Viewport(session.grid, () => this.tell("view"));
+    this.tiles = new Tiles(session.levels, () => this.tell("view"));
+    this.take(session);
+  }
+
+  on(topics: Topic[], hear: () => void): void {
+    for (const topic of topics) this.hearers.set(topic, [...(this.hearers.get(topic) ?? []), hear]);
+  }
+
+  tell(topic: Topic): void {
+    this.hearers.get(topic)?.forEach((hear) => hear());
+  }
+
+  /** Another session: other lanes, other parameters. */
+  replace(session: Session): void {
+    this.viewport.regrid(session.grid);
+    this.tiles.clear(session.levels);
+    this.take(session);
+    this.tell("session");
+    this.tell("state");
+  }
+
+  private take(session: Session): void {
+    this.session = session;
+    this.state = session.state ?? null;
+    this.workings = session.sources.map(() => null);
+    for (const id of this.ids()) this.tiles.changed(id, "all", this.state?.version ?? 0);
+    if (!this.views().some((v) => v.name === this.look.view) && this.look.view !== WORKING) {
+      this.look.view = (this.views().find((v) => v.group === "main") ?? this.views()[0])?.name ?? "combined";
+    }
+    this.look.other = Math.min(this.look.other, session.sources.length - 1);
+    if (this.picked && !this.inside(this.picked)) this.picked = this.cell = null;
+    this.cursor = null;
+  }
+
+  /** The log went on, or back. */
+  step(state: State): void {
+    this.state = state;
+    const all: Place[] = [];
+    let whole = false;
+    state.lanes.forEach((lane, k) => {
+      this.tiles.changed(k, lane.changed, state.version);
+      if (lane.changed === "all") whole = true;
+      else all.push(...lane.changed);
+    });
+    if (this.session.difference) this.tiles.changed("difference", whole ? "all" : all, state.version);
+    this.tell("state");
+  }
+
+  choose(change: Partial<Look>): void {
+    Object.assign(this.look, change);
+    this.tell("look");
+  }
+
+  pick(place: Place | null): void {
+    this.picked = place;
+    this.cell = null;
+    this.tell("pick");
+  }
+
+  get log(): boolean {
+    return this.session.mode === "log";
+  }
+
+  private ids(): SourceId[] {
+    return [...this.session.sources.keys(), ...(this.session.difference ? (["difference"] as const) : [])];
+  }
+
+  source(k: number): Source | undefined {
+    return this.session.sources[k];
+  }
+
+  lane(k: number): LaneState | undefined {
+    return this.state?.lanes[k];
+  }
+
+  inside([column, row]: Place): boolean {
+    const { width, height } = this.session.grid;
+    return column >= 0 && row >= 0 && column < width && row < height;
+  }
+
+  /** Every view that some source has, each name once. */
+  views(): View[] {
+    const views = new Map<string, View>();
+    for (const source of this.log ? this.session.sources : this.session.sources.slice(0, 1)) {
+      for (const view of source.views) if (!views.has(view.name)) views.set(view.name, view);
+    }
+    return [...views.values()];
+  }
+
+  /** The view that a panel shows: the chosen one, or where its source lacks it the first. */
+  shown(id: SourceId): View | undefined {
+    if (id === "difference") return this.session.difference ?? undefined;
+    const views = this.source(id)?.views ?? [];
+    const other = !this.log && id > 0 && this.look.otherView;
+    const wanted = other || (this.look.view === WORKING ? "combined" : this.look.view);
+    return views.find((v) => v.name === wanted) ?? views.find((v) => v.name === "combined") ?? views[0];
+  }
+
+  /** What the panels show, left to right. */
+  panels(): SourceId[] {
+    const { sources, difference } = this.session;
+    const beside = this.log ? sources.length > 1 : this.look.arrangement === "beside" && sources.length > 1;
+    if (!beside) return [0];
+    const other = this.log ? 1 : this.look.other;
+    return difference && other === 1 ? [0, other, "difference"] : [0, other];
+  }
+}

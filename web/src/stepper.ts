@@ -1,0 +1,70 @@
+// Goes through the log: one question at a time, in the order they were asked. A long way is gone in pieces, so that the
+// map is seen to grow and the user can stop it.
+
+import { api } from "./api";
+import type { Model } from "./model";
+import type { GoAsk, State } from "./protocol";
+
+/** Milliseconds that the server may take for a piece. */
+const BUDGET = 200;
+
+export class Stepper {
+  private queue: GoAsk[] = [];
+  private running = false;
+  private stopped = false;
+  /** What must be done with a new state before it is shown. */
+  before: (state: State) => Promise<void> = () => Promise.resolve();
+
+  constructor(
+    private readonly model: Model,
+    private readonly failed: (why: string) => void,
+    private readonly changed: () => void,
+  ) {}
+
+  get busy(): boolean {
+    return this.running;
+  }
+
+  /** By so many readings or scans, or to a reading; going to one forgets the steps that wait. */
+  async go(ask: GoAsk): Promise<void> {
+    const last = this.queue.at(-1);
+    if ("to" in ask) this.queue = [ask];
+    else if (last && "by" in last && last.by === ask.by) last.count += ask.count;
+    else this.queue.push({ ...ask });
+    if (!this.running) await this.run();
+  }
+
+  /** Stops where the piece under way ends. */
+  stop(): void {
+    this.queue = [];
+    this.stopped = true;
+  }
+
+  /** Stops, and waits until it stands still. */
+  async halt(): Promise<void> {
+    this.stop();
+    while (this.running) await new Promise((next) => setTimeout(next, 10));
+  }
+
+  private async run(): Promise<void> {
+    this.running = true;
+    this.changed();
+    try {
+      for (let ask = this.queue.shift(); ask; ask = this.queue.shift()) {
+        this.stopped = false;
+        const state = await api.go(ask, BUDGET);
+        await this.before(state);
+        this.model.step(state);
+        const target = "to" in ask ? ask.to : state.target;
+        const on = !state.done && !this.stopped && !this.queue.some((q) => "to" in q);
+        if (on && target !== undefined) this.queue.unshift({ to: target });
+      }
+    } catch (e) {
+      this.queue = [];
+      this.failed(e instanceof Error ? e.message : String(e));
+    } finally {
+      this.running = false;
+      this.changed();
+    }
+  }
+}
