@@ -76,7 +76,7 @@ impl Stepper {
         }
         self.touched.clear();
         if self.position < to {
-            let mut tiles = self.tiles_of_item(self.position)?;
+            let mut tiles = apply::tiles(&self.session, &self.items, self.position)?;
             let before = self.copy(&tiles);
             self.advance(self.position + 1, &mut tiles)?;
             self.note(&before);
@@ -102,36 +102,31 @@ impl Stepper {
     fn remake(&mut self, to: usize, reached: &mut Tiles) -> Result<()> {
         self.touched.clear();
         let before = to.saturating_sub(1);
-        self.make(before, reached)?;
-        if to > before {
-            let mut tiles = Tiles::new();
-            let concerned = self.tiles_of_item(before)?;
-            let copy = self.copy(&concerned);
-            self.make(to, &mut tiles)?;
+        for to in [before, to] {
+            if to == self.position {
+                continue;
+            }
+            let last = to > before;
+            let copy = match &self.items {
+                Items::Scans(scans) => {
+                    let change = scans.change(&self.session, self.position, to);
+                    let tiles = change.reached();
+                    let copy = if last { self.copy(&tiles) } else { BTreeMap::new() };
+                    scans.apply(&self.session, change, &mut self.cpu)?;
+                    reached.extend(tiles);
+                    copy
+                }
+                items => {
+                    let tiles = if last { apply::tiles(&self.session, items, before)? } else { Tiles::new() };
+                    let copy = self.copy(&tiles);
+                    self.shares = apply::anew(&self.session, items, to, &mut self.cpu, reached)?;
+                    copy
+                }
+            };
+            self.position = to;
             self.note(&copy);
-            reached.append(&mut tiles);
         }
         Ok(())
-    }
-
-    fn make(&mut self, to: usize, reached: &mut Tiles) -> Result<()> {
-        if to == self.position {
-            return Ok(());
-        }
-        match &self.items {
-            Items::Scans(scans) => scans.remake(&self.session, self.position..to, &mut self.cpu, reached)?,
-            _ => self.shares = apply::anew(&self.session, &self.items, to, &mut self.cpu, reached)?,
-        }
-        self.position = to;
-        Ok(())
-    }
-
-    /// The tiles that an item may change.
-    fn tiles_of_item(&self, k: usize) -> Result<Tiles> {
-        match &self.items {
-            Items::Scans(scans) => Ok(scans.tiles(&self.session, k..k + 1, k + 1)),
-            items => apply::tiles(&self.session, items, k),
-        }
     }
 
     /// Copies of tiles.

@@ -3,7 +3,6 @@
 
 use super::cells::{Tiles, place, tile_at};
 use crate::Result;
-use crate::batch::Batch;
 use crate::kernels::Backend;
 use crate::kernels::cpu::Cpu;
 use crate::layout::CHUNK;
@@ -12,7 +11,7 @@ use crate::method::settings::Csm;
 use crate::method::tile_words;
 use crate::scan::{Index, Most, Scan, Store, Tiles as Listing, snap};
 use crate::session::Session;
-use crate::whole::{Place, places};
+use crate::whole::{Place, part, places};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -42,73 +41,73 @@ impl Scanned {
         self.csm.neighbours.map(|n| Index::new(&self.store.poses[..scans], usize::from(n)))
     }
 
-    /// The tiles, by chunk, that differ when so many scans are known with these or without.
-    fn concerned(&self, session: &Session, scans: Range<usize>, known: usize) -> Vec<(Place, Vec<[usize; 2]>)> {
-        let index = self.index(known);
+    /// What changes when so many scans are known instead of so many.
+    pub fn change(&self, session: &Session, from: usize, to: usize) -> Change {
+        let (scans, larger) = (from.min(to)..from.max(to), self.index(from.max(to)));
         let range = scans.start as u32..scans.end as u32;
+        let near = |chunk: &Place| {
+            let grid = part(&session.grid, *chunk);
+            let farthest = self.csm.z_max + grid.resolution;
+            let ends = [(grid.x0(), grid.width), (grid.y0(), grid.height)].map(|(low, n)| [low, low + n as f64 * grid.resolution]);
+            self.store.poses[scans.clone()].iter().any(|pose| {
+                let away = |k: usize| {
+                    let at = pose[k] as f64 * 1e-6;
+                    (ends[k][0] - at).max(at - ends[k][1]).max(0.0)
+                };
+                away(0).hypot(away(1)) <= farthest
+            })
+        };
         let of = |chunk: Place| {
-            let listing = Listing::of(&session.grid, chunk, &self.store, index.as_ref(), &self.csm);
+            let listing = Listing::of(&session.grid, chunk, &self.store, larger.as_ref(), &self.csm);
             (chunk, listing.concerned(range.clone()))
         };
-        places(&session.grid).map(of).filter(|(_, tiles)| !tiles.is_empty()).collect()
-    }
-
-    /// The same as tiles of the grid.
-    pub fn tiles(&self, session: &Session, scans: Range<usize>, known: usize) -> Tiles {
-        let mut tiles = Tiles::new();
-        for (chunk, own) in self.concerned(session, scans, known) {
-            tiles.extend(own.iter().map(|at| tile(chunk, *at)));
-        }
-        tiles
-    }
-
-    /// Brings the cells from one number of scans to another.
-    pub fn remake(
-        &self,
-        session: &Session,
-        change: Range<usize>,
-        cpu: &mut Cpu,
-        reached: &mut Tiles,
-    ) -> Result<()> {
-        let (from, to) = (change.start, change.end);
-        let (scans, known) = (from.min(to)..from.max(to), from.max(to));
-        let words = tile_words(session.method.as_ref());
+        let tiles = places(&session.grid).filter(near).map(of).filter(|(_, tiles)| !tiles.is_empty()).collect();
+        let index = if to >= from { larger } else { self.index(to) };
         // Where a cell takes all poses more scans only add to what is there.
-        let adds = self.csm.neighbours.is_none() && to > from;
-        let index = self.index(to);
-        for (chunk, tiles) in self.concerned(session, scans.clone(), known) {
-            if let (false, Some(state)) = (adds, cpu.chunks_mut().get_mut(&chunk)) {
+        let adds = (self.csm.neighbours.is_none() && to > from).then_some(from as u32..to as u32);
+        Change { tiles, index, adds, to }
+    }
+
+    /// Makes the cells anew that change.
+    pub fn apply(&self, session: &Session, change: Change, cpu: &mut Cpu) -> Result<()> {
+        let (method, words) = (session.method.as_ref(), tile_words(session.method.as_ref()));
+        let Change { tiles, index, adds, to } = change;
+        for (chunk, tiles) in tiles {
+            if let (None, Some(state)) = (&adds, cpu.chunks_mut().get_mut(&chunk)) {
                 for at in &tiles {
                     let (_, slot) = place(tile(chunk, *at));
                     state[slot * words..(slot + 1) * words].fill(0);
                 }
             }
-            reached.extend(tiles.iter().map(|at| tile(chunk, *at)));
-            let added = if adds { from as u32..to as u32 } else { 0..to as u32 };
-            self.batches(session, chunk, index.as_ref(), tiles, added, &mut |batch| {
-                let method = session.method.as_ref();
-                cpu.apply(method, frame(&session.grid, method), &batch, method.sweeps()[0], &mut Vec::new())
+            let mut failed = None;
+            let listing = Listing::of(&session.grid, chunk, &self.store, index.as_ref(), &self.csm);
+            listing.batches_of(tiles, adds.clone().unwrap_or(0..to as u32), MOST, &mut |batch, _| {
+                let (frame, steps) = (frame(&session.grid, method), method.sweeps()[0]);
+                failed = cpu.apply(method, frame, &batch, steps, &mut Vec::new()).err();
+                failed.is_none()
             })?;
+            failed.map_or(Ok(()), Err)?;
         }
         Ok(())
     }
+}
 
-    fn batches(
-        &self,
-        session: &Session,
-        chunk: Place,
-        index: Option<&Index>,
-        tiles: Vec<[usize; 2]>,
-        scans: Range<u32>,
-        apply: &mut dyn FnMut(Batch) -> Result<()>,
-    ) -> Result<()> {
-        let mut failed = None;
-        let listing = Listing::of(&session.grid, chunk, &self.store, index, &self.csm);
-        listing.batches_of(tiles, scans, MOST, &mut |batch, _| {
-            failed = apply(batch).err();
-            failed.is_none()
-        })?;
-        failed.map_or(Ok(()), Err)
+/// What changes with a number of scans.
+pub struct Change {
+    /// The tiles, by chunk.
+    tiles: Vec<(Place, Vec<[usize; 2]>)>,
+    /// Where the poses are that are known then.
+    index: Option<Index>,
+    /// The scans that are added to what is there; else the tiles are made from nothing.
+    adds: Option<Range<u32>>,
+    /// How many are known then.
+    to: usize,
+}
+
+impl Change {
+    /// The tiles of the grid that may change.
+    pub fn reached(&self) -> Tiles {
+        self.tiles.iter().flat_map(|(chunk, tiles)| tiles.iter().map(|at| tile(*chunk, *at))).collect()
     }
 }
 
