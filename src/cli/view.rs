@@ -55,7 +55,7 @@ impl Command {
     /// Serves the page until Ctrl-C.
     pub fn run(self) -> Result<u8> {
         let view = self.open()?;
-        let options = Options { bind: self.bind, port: self.port };
+        let options = Options { bind: self.bind, port: self.port, ..Options::default() };
         serve(view, &options, &|server| self.announce(server))?;
         Ok(0)
     }

@@ -1,7 +1,7 @@
 //! A request to a response: the guard, the page's files, and the view, which is asked on a thread of its own.
 
 use super::guard::{self, BROKEN, BUSY, LARGE, QUERY, Refusal, SLOW};
-use super::{Answer, Ask, View, page};
+use super::{Answer, Ask, Limits, View, page};
 use crate::Error;
 use http_body_util::{BodyExt, Full};
 use hyper::body::{Body, Bytes, Incoming};
@@ -10,17 +10,11 @@ use hyper::{Method, Request, Response, StatusCode};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Duration;
 use tokio::sync::Semaphore;
 use tokio::time::timeout;
 
-/// Requests that the view works on at once.
-const WORKED_ON: usize = 64;
 /// Large bodies held at once.
 const LARGE_ONES: usize = 2;
-/// How long a body may take, and how long a request may wait for its turn.
-const BODY_TIME: Duration = Duration::from_secs(60);
-const TURN_TIME: Duration = Duration::from_secs(60);
 /// Of a body that is too large so much is still taken, so that the client hears why before the connection is closed.
 const SPILLED: usize = 1 << 20;
 
@@ -32,13 +26,14 @@ pub(super) struct Desk {
     token: String,
     turns: Arc<Semaphore>,
     large: Arc<Semaphore>,
+    limits: Limits,
 }
 
 impl Desk {
     /// For a view, behind a token.
-    pub fn new(view: Arc<dyn View>, token: String) -> Desk {
-        let (turns, large) = (Arc::new(Semaphore::new(WORKED_ON)), Arc::new(Semaphore::new(LARGE_ONES)));
-        Desk { view, token, turns, large }
+    pub fn new(view: Arc<dyn View>, token: String, limits: Limits) -> Desk {
+        let (turns, large) = (Arc::new(Semaphore::new(limits.worked_on)), Arc::new(Semaphore::new(LARGE_ONES)));
+        Desk { view, token, turns, large, limits }
     }
 
     /// Answers a request, whatever it is.
@@ -69,13 +64,13 @@ impl Desk {
         if body.size_hint().lower() > limit {
             return Err(LARGE);
         }
-        let turn = |of: &Arc<Semaphore>| timeout(TURN_TIME, of.clone().acquire_owned());
+        let turn = |of: &Arc<Semaphore>| timeout(self.limits.wait, of.clone().acquire_owned());
         let room = match post && guard::is_large(&path) {
             true => Some(turn(&self.large).await.ok().and_then(Result::ok).ok_or(BUSY)?),
             false => None,
         };
         let body = match post {
-            true => timeout(BODY_TIME, read(body, limit as usize)).await.map_err(|_| SLOW)??,
+            true => timeout(self.limits.body, read(body, limit as usize)).await.map_err(|_| SLOW)??,
             false => Vec::new(),
         };
         let turn = turn(&self.turns).await.ok().and_then(Result::ok).ok_or(BUSY)?;

@@ -36,7 +36,7 @@ const FORM: Refusal = refusal(StatusCode::UNSUPPORTED_MEDIA_TYPE, "send JSON or 
 /// A body that is too large.
 pub(super) const LARGE: Refusal = refusal(StatusCode::PAYLOAD_TOO_LARGE, "the body is too large");
 /// A body that doesn't come.
-pub(super) const SLOW: Refusal = refusal(StatusCode::REQUEST_TIMEOUT, "the body did not come within a minute");
+pub(super) const SLOW: Refusal = refusal(StatusCode::REQUEST_TIMEOUT, "the body did not come in time");
 /// A body that breaks off.
 pub(super) const BROKEN: Refusal = refusal(StatusCode::BAD_REQUEST, "the body can't be read");
 /// A query that isn't percent-encoded UTF-8.

@@ -14,7 +14,7 @@ mod tile;
 
 pub use legend::legend;
 pub use pyramid::{Key, Pyramid, Shown};
-pub use server::{Options, Server, serve};
+pub use server::{Limits, Options, Server, serve};
 pub use tile::{EDGE, Place, Tile, levels, pixels};
 
 use crate::{Error, Result};

@@ -15,10 +15,6 @@ use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio::sync::Semaphore;
 
-/// Connections at once; others wait to be accepted.
-const CONNECTIONS: usize = 1024;
-/// How long a request's head may take, and a connection lie idle.
-const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Bytes of a request's head at most.
 const HEAD: usize = 64 << 10;
 /// After a connection could not be accepted, for want of file handles say.
@@ -31,11 +27,35 @@ pub struct Options {
     pub bind: IpAddr,
     /// The port; 0: one that is free.
     pub port: u16,
+    /// What clients may take.
+    pub limits: Limits,
 }
 
 impl Default for Options {
     fn default() -> Options {
-        Options { bind: Ipv4Addr::LOCALHOST.into(), port: 0 }
+        Options { bind: Ipv4Addr::LOCALHOST.into(), port: 0, limits: Limits::default() }
+    }
+}
+
+/// What clients may take, so that none keeps the others out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Connections at once; others wait to be accepted.
+    pub connections: usize,
+    /// Requests that the view works on at once; others wait.
+    pub worked_on: usize,
+    /// How long a request's head may take, and a connection lie idle.
+    pub head: Duration,
+    /// How long a body may take.
+    pub body: Duration,
+    /// How long a request may wait until it is worked on.
+    pub wait: Duration,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        let [head, body, wait] = [10, 60, 60].map(Duration::from_secs);
+        Limits { connections: 1024, worked_on: 64, head, body, wait }
     }
 }
 
@@ -63,7 +83,8 @@ impl Server {
         })?;
         let at = listener.local_addr().map_err(|e| failed(&e.to_string()))?;
         raise_limit();
-        runtime.spawn(listen(listener, Arc::new(Desk::new(view, token.clone()))));
+        let limits = options.limits;
+        runtime.spawn(listen(listener, Arc::new(Desk::new(view, token.clone(), limits)), limits));
         Ok(Server { at, token, runtime: Some(runtime) })
     }
 
@@ -107,8 +128,8 @@ pub fn serve(view: Arc<dyn View>, options: &Options, started: &dyn Fn(&Server)) 
     Ok(())
 }
 
-async fn listen(listener: TcpListener, desk: Arc<Desk>) {
-    let places = Arc::new(Semaphore::new(CONNECTIONS));
+async fn listen(listener: TcpListener, desk: Arc<Desk>, limits: Limits) {
+    let places = Arc::new(Semaphore::new(limits.connections));
     loop {
         let Ok(place) = places.clone().acquire_owned().await else { return };
         let Ok((stream, _)) = listener.accept().await else {
@@ -123,7 +144,7 @@ async fn listen(listener: TcpListener, desk: Arc<Desk>) {
                 async move { Ok::<_, Infallible>(desk.answer(request).await) }
             });
             let mut connection = http1::Builder::new();
-            connection.timer(TokioTimer::new()).header_read_timeout(HEAD_TIME).max_buf_size(HEAD);
+            connection.timer(TokioTimer::new()).header_read_timeout(limits.head).max_buf_size(HEAD);
             // A client that breaks off is its own affair.
             let _ = connection.serve_connection(TokioIo::new(stream), service).await;
             drop(place);
