@@ -78,8 +78,12 @@ pub fn walls(workload: &Workload) -> Vec<Update> {
             [at(-beta, reading.range), at(0.0, reading.range)],
             [at(0.0, reading.range), at(beta, 0.9 * reading.range)],
         ];
-        let part =
-            |side: [Point; 2]| Part { origin: Origin::Wall, weight: 0.35, free: Some(Fan { vertices: side.to_vec() }), occupied: vec![side] };
+        let part = |side: [Point; 2]| Part {
+            origin: Origin::Wall,
+            weight: 0.35,
+            free: Some(Fan { vertices: side.to_vec() }),
+            occupied: vec![side],
+        };
         let limit = |k: u32| at(beta * (f64::from(k) / 8.0 - 1.0), reading.range * if k % 4 < 2 { 1.0 } else { 0.7 });
         let limit = Some(Fan { vertices: (0..=16).map(limit).collect() });
         let routine = Some(Routine { weight: 0.3, free: limit.clone(), arc: limit, occupies: true });

@@ -12,12 +12,12 @@ use echogrid::world::{Rig, World, simulate};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// A log of 700 readings of a small campus.
-fn log(folder: &Path, rig: &str) -> PathBuf {
+/// A log of so many scans of a small campus.
+fn log(folder: &Path, rig: &str, scans: u64) -> PathBuf {
     let world = World::parse(Path::new("c.toml"), "[campus]\nseed = 4\nwidth = 40\nheight = 35\n").unwrap();
     let path = folder.join(format!("{rig}.jsonl"));
     let file = std::fs::File::create(&path).unwrap();
-    simulate(&world, &Rig::named(rig).unwrap(), 2, Some(700), file, &|_| {}).unwrap();
+    simulate(&world, &Rig::named(rig).unwrap(), 2, Some(scans), file, &|_| {}).unwrap();
     path
 }
 
@@ -73,9 +73,10 @@ fn random(state: &mut u64) -> u64 {
 #[test]
 fn by_any_way_it_ends_with_the_bytes_of_map() {
     let folder = tempfile::tempdir().unwrap();
-    let log = log(folder.path(), "ring24");
+    let log = log(folder.path(), "ring24", 120);
     for (name, settings) in every_settings() {
-        let wanted = session(&log, settings, None, 0.1).map(&mut Cpu::new(0).unwrap(), 1 << 16, &|_| {}).unwrap().finished;
+        let wanted =
+            session(&log, settings, None, 0.1).map(&mut Cpu::new(0).unwrap(), 1 << 16, &|_| {}).unwrap().finished;
         // Snapshots as many as it likes, and hardly any, where there are some.
         let anew = name.starts_with("csm") || name == "certainty, batch order";
         for snapshots in if anew { vec![1 << 28] } else { vec![1 << 28, 200_000] } {
@@ -95,7 +96,10 @@ fn by_any_way_it_ends_with_the_bytes_of_map() {
                 same(&format!("{name} at {to}"), &stepper.finished(), &other.finished());
             }
             go(&mut stepper, By::To(0));
-            assert!(stepper.finished().visits.interior.iter().all(|n| *n == 0) && stepper.touched().is_empty(), "{name}");
+            assert!(
+                stepper.finished().visits.interior.iter().all(|n| *n == 0) && stepper.touched().is_empty(),
+                "{name}"
+            );
             while stepper.position() < total {
                 go(&mut stepper, By::Scans(1));
             }
@@ -107,7 +111,7 @@ fn by_any_way_it_ends_with_the_bytes_of_map() {
 #[test]
 fn a_position_is_the_map_until_it() {
     let folder = tempfile::tempdir().unwrap();
-    let log = log(folder.path(), "ring8");
+    let log = log(folder.path(), "ring8", 700);
     for (name, settings) in every_settings() {
         // Features of the whole log are known to the stepper, those until there to map; a scan is cut where --until falls into one.
         if matches!(settings, Settings::Features(_) | Settings::Csm(_)) {
@@ -126,7 +130,7 @@ fn a_position_is_the_map_until_it() {
 #[test]
 fn what_a_reading_did_is_the_difference_that_it_made() {
     let folder = tempfile::tempdir().unwrap();
-    let log = log(folder.path(), "ring8");
+    let log = log(folder.path(), "ring8", 700);
     for (name, settings) in every_settings() {
         let mut stepper = stepper(&log, settings, 1 << 28);
         let mut changed = 0;
@@ -160,7 +164,7 @@ fn what_a_reading_did_is_the_difference_that_it_made() {
 #[test]
 fn a_cells_history_leads_to_its_state() {
     let folder = tempfile::tempdir().unwrap();
-    let log = log(folder.path(), "ring24");
+    let log = log(folder.path(), "ring24", 700);
     for (name, settings) in every_settings() {
         let mut stepper = stepper(&log, settings, 1 << 28);
         let total = stepper.items().len();
@@ -199,7 +203,7 @@ fn a_cells_history_leads_to_its_state() {
 #[test]
 fn a_reading_is_explained_as_by_the_reference() {
     let folder = tempfile::tempdir().unwrap();
-    let log = log(folder.path(), "ring8");
+    let log = log(folder.path(), "ring8", 700);
     for (name, settings) in every_settings() {
         if matches!(settings, Settings::Features(_) | Settings::Csm(_)) {
             continue;
@@ -216,9 +220,11 @@ fn a_reading_is_explained_as_by_the_reference() {
             assert_eq!(found.n, wanted.arc_cells, "{name}");
             let mut cells = found.cells.clone();
             cells.sort_by_key(|c| (c.row, c.column));
-            let reached: Vec<_> = wanted.cells.iter().filter(|c| {
-                cells.binary_search_by_key(&(c.update.row, c.update.column), |c| (c.row, c.column)).is_ok()
-            }).collect();
+            let reached: Vec<_> = wanted
+                .cells
+                .iter()
+                .filter(|c| cells.binary_search_by_key(&(c.update.row, c.update.column), |c| (c.row, c.column)).is_ok())
+                .collect();
             assert_eq!(reached.len(), cells.len(), "{name}");
             // Each cell of the cone is touched, but for one that stays what it was: surely free, or a count at its end.
             let kept = matches!(settings, Settings::Certainty(_) | Settings::Himm(_));
@@ -227,7 +233,10 @@ fn a_reading_is_explained_as_by_the_reference() {
                 assert_eq!(cell.arc, own.update.region == Region::Arc, "{name}");
                 let [a, b, c] = cell.evidence.unwrap();
                 assert_eq!(a, own.own, "{name}");
-                assert!((b - own.cancelled).abs() < 1e-5 && (c - own.normalised).abs() < 1e-4, "{name}: {cell:?} {own:?}");
+                assert!(
+                    (b - own.cancelled).abs() < 1e-5 && (c - own.normalised).abs() < 1e-4,
+                    "{name}: {cell:?} {own:?}"
+                );
                 arcs += usize::from(cell.arc);
             }
         }
@@ -238,7 +247,7 @@ fn a_reading_is_explained_as_by_the_reference() {
 #[test]
 fn a_walk_that_is_stopped_goes_on() {
     let folder = tempfile::tempdir().unwrap();
-    let log = log(folder.path(), "ring24");
+    let log = log(folder.path(), "ring24", 700);
     let settings = set("certainty", &[]);
     let (mut stopped, mut other) = (stepper(&log, settings, 1 << 28), stepper(&log, settings, 1 << 28));
     let total = stopped.items().len();
@@ -257,7 +266,7 @@ fn a_walk_that_is_stopped_goes_on() {
 #[test]
 fn what_does_not_fit_into_memory_is_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    let log = log(folder.path(), "ring8");
+    let log = log(folder.path(), "ring8", 700);
     let refused = Stepper::open(session(&log, set("bayes", &[]), None, 0.1), 0, Some(1 << 20), 1 << 28);
     let error = refused.err().unwrap().to_string();
     assert!(error.contains("1 MiB"), "{error}");
@@ -282,7 +291,14 @@ fn a_real_log_reading_by_reading_ends_with_the_bytes_of_map() {
     let Some(path) = data("sonar_ring_8/test1") else { return };
     for (name, settings) in every_settings() {
         let open = || {
-            let request = Request { log: Default::default(), settings, resolution: 0.05, bounds: None, until: None, strict: true };
+            let request = Request {
+                log: Default::default(),
+                settings,
+                resolution: 0.05,
+                bounds: None,
+                until: None,
+                strict: true,
+            };
             Session::open(&path, &request).unwrap()
         };
         let wanted = open().map(&mut Cpu::new(0).unwrap(), 1 << 16, &|_| {}).unwrap().finished;

@@ -1,8 +1,8 @@
 //! `echogrid map`.
 
 use super::common::{
-    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, warn_of_bad_lines,
-    warn_of_empty_map, warn_of_jump,
+    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, warn_of_bad_lines, warn_of_empty_map,
+    warn_of_jump,
 };
 use super::{note, say};
 use crate::feature::{self, Times};

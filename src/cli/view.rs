@@ -88,7 +88,8 @@ impl Command {
     fn open_log(&self) -> Result<Arc<dyn View>> {
         let arguments = &self.log;
         if arguments.log.as_os_str() == "-" {
-            let what = "a log is read anew for each method and parameter: write standard input to a file, and give that";
+            let what =
+                "a log is read anew for each method and parameter: write standard input to a file, and give that";
             return Err(Error::Usage(what.into()));
         }
         // The first time with what it has to say of parameters.

@@ -18,8 +18,8 @@ mod scans;
 mod snapshots;
 mod working;
 
-pub use cells::{Cell, Tiles, Touched, cell_of, tile_of};
 pub(crate) use cells::tile_at;
+pub use cells::{Cell, Tiles, Touched, cell_of, tile_of};
 pub use go::By;
 pub use history::{Event, History};
 pub use items::Items;

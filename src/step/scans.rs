@@ -48,7 +48,8 @@ impl Scanned {
         let near = |chunk: &Place| {
             let grid = part(&session.grid, *chunk);
             let farthest = self.csm.z_max + grid.resolution;
-            let ends = [(grid.x0(), grid.width), (grid.y0(), grid.height)].map(|(low, n)| [low, low + n as f64 * grid.resolution]);
+            let ends = [(grid.x0(), grid.width), (grid.y0(), grid.height)]
+                .map(|(low, n)| [low, low + n as f64 * grid.resolution]);
             self.store.poses[scans.clone()].iter().any(|pose| {
                 let away = |k: usize| {
                     let at = pose[k] as f64 * 1e-6;

@@ -41,7 +41,8 @@ impl Ask<'_> {
     /// # Errors
     /// [`Error::Usage`] that says what is wrong with it.
     pub fn json<T: DeserializeOwned>(&self) -> Result<T> {
-        serde_json::from_slice(self.body).map_err(|e| Error::Usage(format!("{}: the body is not what is wanted: {e}", self.path)))
+        serde_json::from_slice(self.body)
+            .map_err(|e| Error::Usage(format!("{}: the body is not what is wanted: {e}", self.path)))
     }
 
     /// A value of the query.

@@ -93,9 +93,10 @@ fn case(grid: &GridSpec, update: &Update) -> Value {
             json!({"feature": feature, "weight": part.weight, "free": fan(&part.free), "occupied": occupied})
         })
         .collect();
-    let routine = update.routine.as_ref().map(|r| {
-        json!({"weight": r.weight, "free": fan(&r.free), "arc": fan(&r.arc), "occupies": r.occupies})
-    });
+    let routine = update
+        .routine
+        .as_ref()
+        .map(|r| json!({"weight": r.weight, "free": fan(&r.free), "arc": fan(&r.arc), "occupies": r.occupies}));
     json!({"name": name, "about": about, "parts": parts, "routine": routine})
 }
 

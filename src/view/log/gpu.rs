@@ -93,8 +93,12 @@ pub fn batch(lane: &Lane, ask: &Ask) -> Result<Answer> {
         told
     };
     let mut buffers = vec![named("cones", bytes.add(bytemuck::cast_slice(&batch.cones)))];
-    buffers.push(named("shares", bytes.add(if updates { bytemuck::cast_slice(&batch.shapes) } else { bytemuck::cast_slice(&shares) })));
-    let places: &[u8] = if updates { bytemuck::cast_slice(&batch.points) } else { bytemuck::cast_slice(&batch.first_part) };
+    buffers.push(named(
+        "shares",
+        bytes.add(if updates { bytemuck::cast_slice(&batch.shapes) } else { bytemuck::cast_slice(&shares) }),
+    ));
+    let places: &[u8] =
+        if updates { bytemuck::cast_slice(&batch.points) } else { bytemuck::cast_slice(&batch.first_part) };
     buffers.push(named("first_part", bytes.add(places)));
     let frame = bytes.add(bytes_of(&Frame { mode: 0, ..frame }));
     let chunks: Vec<Value> = batch

@@ -57,18 +57,39 @@ pub fn views(method: &dyn Method) -> Vec<View> {
         None => View { name, about: derived.0, scale: UNIT, main: true, from: derived.1 },
     };
     let [empty, full] = OWN.map(place);
-    let about = ["how surely empty, 0 to 1, from the combined picture", "how surely occupied, 0 to 1, from the combined picture"];
+    let about = [
+        "how surely empty, 0 to 1, from the combined picture",
+        "how surely occupied, 0 to 1, from the combined picture",
+    ];
     let mut views = vec![
         main("empty", (about[0], From::Empty), empty),
         main("full", (about[1], From::Full), full),
-        View { name: "combined", about: "-1 surely empty to 1 surely occupied", scale: SIGNED, main: true, from: From::Combined },
+        View {
+            name: "combined",
+            about: "-1 surely empty to 1 surely occupied",
+            scale: SIGNED,
+            main: true,
+            from: From::Combined,
+        },
     ];
     let others = layers.iter().enumerate().filter(|(k, _)| Some(*k) != empty && Some(*k) != full);
-    views.extend(others.map(|(k, l)| View { name: l.name, about: l.about, scale: l.scale, main: false, from: From::Layer(k) }));
+    views.extend(others.map(|(k, l)| View {
+        name: l.name,
+        about: l.about,
+        scale: l.scale,
+        main: false,
+        from: From::Layer(k),
+    }));
     let class = "1 occupied, 0 unknown, -1 empty, by the method's decision rule";
     views.push(View { name: "class", about: class, scale: SIGNED, main: false, from: From::Class });
     let updates = Scale::Heat { low: 0.0, high: 50.0 };
-    views.push(View { name: "updates", about: "how often a reading updated the cell", scale: updates, main: false, from: From::Updates });
+    views.push(View {
+        name: "updates",
+        about: "how often a reading updated the cell",
+        scale: updates,
+        main: false,
+        from: From::Updates,
+    });
     views
 }
 
@@ -112,7 +133,8 @@ pub fn forget_all(pyramid: &Pyramid) {
 /// Tiles of level 0, by column and row, that hold tiles of 16 × 16 cells.
 pub fn blocks(tiles: &Tiles) -> Vec<[usize; 2]> {
     let each = (EDGE / TILE) as u32;
-    let mut blocks: Vec<[usize; 2]> = tiles.iter().map(|[row, column]| [column / each, row / each].map(|v| v as usize)).collect();
+    let mut blocks: Vec<[usize; 2]> =
+        tiles.iter().map(|[row, column]| [column / each, row / each].map(|v| v as usize)).collect();
     blocks.sort_unstable();
     blocks.dedup();
     blocks
@@ -145,8 +167,10 @@ pub fn tile(pyramid: &Pyramid, lanes: &[Lane], ask: &Ask) -> Result<Answer> {
         }
     };
     let base = |block: [usize; 2]| {
-        let parts: Vec<Option<Vec<f32>>> =
-            sources.iter().map(|lane| values(chunks_of(lane, of_page), lane.stepper.method(), view.from, extent, block)).collect();
+        let parts: Vec<Option<Vec<f32>>> = sources
+            .iter()
+            .map(|lane| values(chunks_of(lane, of_page), lane.stepper.method(), view.from, extent, block))
+            .collect();
         Ok(match &parts[..] {
             [first, second] => difference(first.as_ref(), second.as_ref()),
             _ => parts.into_iter().next().flatten(),
@@ -167,7 +191,13 @@ fn chunks_of(lane: &Lane, of_page: bool) -> &Chunks {
 }
 
 /// The values of a tile of level 0; `None`: nothing there was reached.
-fn values(chunks: &Chunks, method: &dyn Method, from: From, extent: [usize; 2], [column, row]: [usize; 2]) -> Option<Vec<f32>> {
+fn values(
+    chunks: &Chunks,
+    method: &dyn Method,
+    from: From,
+    extent: [usize; 2],
+    [column, row]: [usize; 2],
+) -> Option<Vec<f32>> {
     let planes = method::planes(method);
     let mut own = vec![0; planes];
     let place = Place { level: 0, column, row };
