@@ -4,6 +4,7 @@ use super::{Cell, Stepper, Touched};
 use crate::Result;
 use crate::grid::GridSpec;
 use crate::mapper::Item;
+use crate::method::settings::Settings;
 use crate::oracle::{Region, WorkingCell, working_of};
 use crate::reading::Pose;
 use std::collections::BTreeMap;
@@ -45,36 +46,36 @@ pub struct Explained {
 /// [`crate::Error::Usage`] for a reading that names no sensor.
 pub fn explain(stepper: &Stepper) -> Result<Option<Explained>> {
     let Some(last) = stepper.position().checked_sub(1) else { return Ok(None) };
-    let method = stepper.method();
-    let stories = |evidence: &dyn Fn(&Touched, &Cell, &Cell) -> ((f64, f64), Option<[f64; 3]>)| {
-        let story = |t: &Touched| {
-            let [before, after] = [&t.before, &t.after].map(|words| Cell::of(method, Some(words)));
-            let (polar, evidence) = evidence(t, &before, &after);
-            CellStory { column: t.column, row: t.row, arc: t.arc, polar, evidence, before, after }
-        };
-        stepper.touched().iter().map(story).collect::<Vec<_>>()
-    };
-    let grid = stepper.grid();
-    let arcs = |cells: &[CellStory]| cells.iter().filter(|c| c.arc).count();
-    if let Some(update) = stepper.items().update(last) {
+    let items = stepper.items();
+    if let Some(update) = items.update(last) {
         let pose = update.reading.record.pose;
-        let cells = stories(&|t, before, after| {
-            let said = 1.0 / (1.0 + f64::from(log_odds(stepper, before) - log_odds(stepper, after)).exp());
-            (polar(grid, &pose, t), Some([said; 3]))
-        });
-        return Ok(Some(Explained { n: arcs(&cells), cells, sum: None }));
+        let says = |story: CellStory| {
+            let odds = [&story.before, &story.after].map(|cell| log_odds(stepper, cell));
+            let said = 1.0 / (1.0 + (odds[0] - odds[1]).exp());
+            CellStory { evidence: Some([said; 3]), ..story }
+        };
+        return Ok(Some(explained(stories(stepper, &pose).map(says).collect())));
     }
-    if let Some(scan) = stepper.items().scan(last) {
-        let cells = stories(&|t, _, _| (polar(grid, &scan.robot, t), None));
-        return Ok(Some(Explained { n: arcs(&cells), cells, sum: None }));
+    if let Some(scan) = items.scan(last) {
+        return Ok(Some(explained(stories(stepper, &scan.robot).collect())));
     }
-    let Some((reading, wedge)) = stepper.items().reading(last) else { return Ok(None) };
-    explain_reading(stepper, &(reading, wedge), &stories)
+    items.reading(last).map(|item| explain_reading(stepper, &item)).transpose()
 }
 
-type Stories<'a> = dyn Fn(&dyn Fn(&Touched, &Cell, &Cell) -> ((f64, f64), Option<[f64; 3]>)) -> Vec<CellStory> + 'a;
+fn explained(cells: Vec<CellStory>) -> Explained {
+    Explained { n: cells.iter().filter(|c| c.arc).count(), cells, sum: None }
+}
 
-fn explain_reading(stepper: &Stepper, (reading, wedge): &Item, stories: &Stories) -> Result<Option<Explained>> {
+/// The changed cells before and after, seen from a pose.
+fn stories<'a>(stepper: &'a Stepper, pose: &'a Pose) -> impl Iterator<Item = CellStory> + 'a {
+    stepper.touched().iter().map(move |t| {
+        let [before, after] = [&t.before, &t.after].map(|words| Cell::of(stepper.method(), Some(words)));
+        let polar = polar(stepper.grid(), pose, t);
+        CellStory { column: t.column, row: t.row, arc: t.arc, polar, evidence: None, before, after }
+    })
+}
+
+fn explain_reading(stepper: &Stepper, (reading, wedge): &Item) -> Result<Explained> {
     let (grid, settings) = (stepper.grid(), stepper.method().settings());
     // A reading's own interior is no part of its arc: Emp is there after it what it was before.
     let emptiness = |cell: usize| {
@@ -82,27 +83,27 @@ fn explain_reading(stepper: &Stepper, (reading, wedge): &Item, stories: &Stories
         f64::from(Cell::of(stepper.method(), words.as_deref()).values[0])
     };
     let working = working_of(grid, stepper.sensors(), reading, &settings, *wedge, &emptiness)?;
-    let at: BTreeMap<[usize; 2], &WorkingCell> =
+    let own: BTreeMap<[usize; 2], &WorkingCell> =
         working.cells.iter().map(|c| ([c.update.row, c.update.column], c)).collect();
-    let mut cells = stories(&|t, _, _| match at.get(&[t.row, t.column]) {
-        Some(c) => ((c.update.d, c.update.theta), Some([c.own, c.cancelled, c.normalised])),
-        None => (polar(grid, &reading.record.pose, t), None),
-    });
-    for cell in &mut cells {
-        // In the 1985 order other readings' cells change, too, and interiors only through them.
-        if let Some(own) = at.get(&[cell.row, cell.column]) {
-            cell.arc = own.update.region == Region::Arc;
-        }
-    }
-    cells.retain(|c| at.contains_key(&[c.row, c.column]));
-    let sum = matches!(settings, crate::method::settings::Settings::Certainty(_)).then_some(working.sum);
-    Ok(Some(Explained { cells, n: working.arc_cells, sum }))
+    // In the 1985 order other readings' cells change, too.
+    let tell = |story: CellStory| {
+        let cell = own.get(&[story.row, story.column])?;
+        Some(CellStory {
+            arc: cell.update.region == Region::Arc,
+            polar: (cell.update.d, cell.update.theta),
+            evidence: Some([cell.own, cell.cancelled, cell.normalised]),
+            ..story
+        })
+    };
+    let cells = stories(stepper, &reading.record.pose).filter_map(tell).collect();
+    let sum = matches!(settings, Settings::Certainty(_)).then_some(working.sum);
+    Ok(Explained { cells, n: working.arc_cells, sum })
 }
 
 /// A cell's log odds of occupied, for methods that keep them.
-fn log_odds(stepper: &Stepper, cell: &Cell) -> f32 {
+fn log_odds(stepper: &Stepper, cell: &Cell) -> f64 {
     let place = stepper.method().layers().iter().position(|l| l.name == "log_odds");
-    place.and_then(|k| cell.values.get(k)).copied().unwrap_or(0.0)
+    place.and_then(|k| cell.values.get(k)).map_or(0.0, |v| f64::from(*v))
 }
 
 /// Distance and angle off the axis of a cell's centre.
