@@ -8,6 +8,7 @@ mod command;
 mod common;
 mod damaged;
 mod load;
+mod log;
 mod maps;
 mod pictures;
 mod refusals;
