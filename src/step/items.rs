@@ -22,8 +22,11 @@ pub enum Items {
 }
 
 impl Items {
-    /// What an item takes in memory at most, bytes, with what is kept of it: an update with its fans is the largest.
-    pub const BYTES: u64 = 1024;
+    /// What a session's take in memory at most, bytes, with what is kept of each: an update has its fans.
+    pub fn memory(session: &Session) -> u64 {
+        let each = if session.method.unit() == Unit::Update { 1024 } else { 32 + size_of::<Item>() as u64 };
+        session.survey.counts.read * each
+    }
 
     /// All of a session's.
     ///

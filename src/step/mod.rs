@@ -56,9 +56,8 @@ impl Stepper {
     /// # Errors
     /// The log's; [`crate::Error::Resources`] where `cap`, or what the machine has free, doesn't suffice for the whole map.
     pub fn open(session: Session, threads: usize, cap: Option<u64>, snapshots: u64) -> Result<Stepper> {
-        let held = session.survey.counts.read * Items::BYTES;
         let state = memory::needed(&session.grid, session.method.as_ref(), apply::WINDOW);
-        session.check_memory(state + held + snapshots, cap)?;
+        session.check_memory(state + Items::memory(&session) + snapshots, cap)?;
         let items = Items::read(&session)?;
         let snapshots = Snapshots::new(items.len(), snapshots);
         let cpu = Cpu::new(threads)?;

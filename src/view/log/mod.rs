@@ -18,7 +18,7 @@ use lane::Lane;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use std::sync::{PoisonError, RwLock};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
 /// What a lane is asked to be, made into what a session takes.
@@ -77,7 +77,7 @@ impl LogView {
         };
         let until = budget_ms.map(|ms| Instant::now() + Duration::from_millis(ms.min(60_000)));
         let mut more = || until.is_none_or(|until| Instant::now() < until);
-        let mut lanes = self.lanes.write().unwrap_or_else(PoisonError::into_inner);
+        let mut lanes = self.write();
         let to = lanes.all[0].stepper.target(by);
         let changed = lanes.go(to, &mut more)?;
         lanes.version += 1;
@@ -90,19 +90,29 @@ impl LogView {
     /// Other methods or parameters, at the same place of the log.
     fn remake(&self, ask: &Ask) -> Result<Value> {
         let Remake { lanes: wanted } = ask.json()?;
-        let mut lanes = self.lanes.write().unwrap_or_else(PoisonError::into_inner);
-        let mut made = Lanes { all: make(&self.options, &wanted)?, version: lanes.version + 1 };
-        let place = lanes.all[0].next_place();
-        let to = made.all[0].position_at(place);
-        made.go(to, &mut || true)?;
+        let mut made = Lanes { all: make(&self.options, &wanted)?, version: 0 };
+        // What is there can be looked at meanwhile, so that it may go on, too.
+        let place = self.read().all[0].next_place();
+        made.follow(place)?;
+        let mut lanes = self.write();
+        made.follow(lanes.all[0].next_place())?;
+        made.version = lanes.version + 1;
         *lanes = made;
         shown::forget_all(&self.pyramid);
         Ok(describe::session(&self.options, &lanes))
     }
 
-    fn lane<T>(&self, ask: &Ask, key: &str, of: impl FnOnce(&Lane) -> Result<T>) -> Result<T> {
-        let lanes = self.lanes.read().unwrap_or_else(PoisonError::into_inner);
-        of(lanes.find(ask.number(key)?)?)
+    fn read(&self) -> RwLockReadGuard<'_, Lanes> {
+        self.lanes.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn write(&self) -> RwLockWriteGuard<'_, Lanes> {
+        self.lanes.write().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What is told of the lane that is asked for.
+    fn lane<T>(&self, ask: &Ask, of: impl FnOnce(&Lane) -> Result<T>) -> Result<T> {
+        of(self.read().find(ask.number("lane")?)?)
     }
 }
 
@@ -110,28 +120,19 @@ impl View for LogView {
     fn answer(&self, ask: &Ask) -> Result<Answer> {
         let json = |value: Value| Ok(Answer::Json(value));
         match (ask.post, ask.path) {
-            (false, "api/session") => {
-                let lanes = self.lanes.read().unwrap_or_else(PoisonError::into_inner);
-                json(describe::session(&self.options, &lanes))
-            }
-            (false, "api/tile") => {
-                let lanes = self.lanes.read().unwrap_or_else(PoisonError::into_inner);
-                shown::tile(&self.pyramid, &lanes.all, ask)
-            }
-            (false, "api/cell") => {
-                let lanes = self.lanes.read().unwrap_or_else(PoisonError::into_inner);
-                json(told::cell(&lanes.all, ask)?)
-            }
-            (false, "api/working") => json(self.lane(ask, "lane", told::working)?),
-            (false, "api/history") => json(self.lane(ask, "lane", |lane| told::history(lane, ask))?),
+            (false, "api/session") => json(describe::session(&self.options, &self.read())),
+            (false, "api/tile") => shown::tile(&self.pyramid, &self.read().all, ask),
+            (false, "api/cell") => json(told::cell(&self.read().all, ask)?),
+            (false, "api/working") => json(self.lane(ask, told::working)?),
+            (false, "api/history") => json(self.lane(ask, |lane| told::history(lane, ask))?),
             (true, "api/go") => json(self.go(ask)?),
             (true, "api/lanes") => json(self.remake(ask)?),
-            (false, "api/gpu/plan") => json(self.lane(ask, "lane", |lane| Ok(gpu::plan(lane)))?),
-            (false, "api/gpu/wgsl") => self.lane(ask, "lane", |lane| gpu::wgsl(lane, ask)),
-            (false, "api/gpu/batch") => self.lane(ask, "lane", |lane| gpu::batch(lane, ask)),
-            (true, "api/gpu/share") => self.lane(ask, "lane", |lane| gpu::share(lane, ask)),
+            (false, "api/gpu/plan") => json(self.lane(ask, |lane| Ok(gpu::plan(lane)))?),
+            (false, "api/gpu/wgsl") => self.lane(ask, |lane| gpu::wgsl(lane, ask)),
+            (false, "api/gpu/batch") => self.lane(ask, |lane| gpu::batch(lane, ask)),
+            (true, "api/gpu/share") => self.lane(ask, |lane| gpu::share(lane, ask)),
             (true, "api/gpu/words" | "api/gpu/reset") => {
-                let mut lanes = self.lanes.write().unwrap_or_else(PoisonError::into_inner);
+                let mut lanes = self.write();
                 let k = ask.number("lane")?;
                 lanes.find(k)?;
                 let (told, tiles) = match ask.path {
@@ -147,6 +148,12 @@ impl View for LogView {
 }
 
 impl Lanes {
+    /// Goes to a place of the log.
+    fn follow(&mut self, place: lane::Next) -> Result<()> {
+        let to = self.all[0].position_at(place);
+        self.go(to, &mut || true).map(|_| ())
+    }
+
     fn find(&self, k: usize) -> Result<&Lane> {
         let count = self.all.len();
         self.all.get(k).ok_or_else(|| Error::Usage(format!("there is no lane {k}: there are {count}, from 0")))

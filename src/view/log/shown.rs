@@ -13,7 +13,7 @@ use crate::{Error, Result};
 
 /// Where a view's values come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum From {
+pub enum Of {
     /// A layer.
     Layer(usize),
     /// How surely empty, of the combined picture.
@@ -39,7 +39,7 @@ pub struct View {
     /// Whether it is one of the first three.
     pub main: bool,
     /// Its values.
-    pub from: From,
+    pub of: Of,
 }
 
 const UNIT: Scale = Scale::Grey { low: 0.0, high: 1.0 };
@@ -52,9 +52,9 @@ const OWN: [&[&str]; 2] = [&["emp", "empty", "p_emp"], &["occ", "full", "p_occ"]
 pub fn views(method: &dyn Method) -> Vec<View> {
     let layers = method.layers();
     let place = |names: &[&str]| layers.iter().position(|l| names.contains(&l.name));
-    let main = |name, derived: (&'static str, From), own: Option<usize>| match own {
-        Some(k) => View { name, about: layers[k].about, scale: layers[k].scale, main: true, from: From::Layer(k) },
-        None => View { name, about: derived.0, scale: UNIT, main: true, from: derived.1 },
+    let main = |name, derived: (&'static str, Of), own: Option<usize>| match own {
+        Some(k) => View { name, about: layers[k].about, scale: layers[k].scale, main: true, of: Of::Layer(k) },
+        None => View { name, about: derived.0, scale: UNIT, main: true, of: derived.1 },
     };
     let [empty, full] = OWN.map(place);
     let about = [
@@ -62,14 +62,14 @@ pub fn views(method: &dyn Method) -> Vec<View> {
         "how surely occupied, 0 to 1, from the combined picture",
     ];
     let mut views = vec![
-        main("empty", (about[0], From::Empty), empty),
-        main("full", (about[1], From::Full), full),
+        main("empty", (about[0], Of::Empty), empty),
+        main("full", (about[1], Of::Full), full),
         View {
             name: "combined",
             about: "-1 surely empty to 1 surely occupied",
             scale: SIGNED,
             main: true,
-            from: From::Combined,
+            of: Of::Combined,
         },
     ];
     let others = layers.iter().enumerate().filter(|(k, _)| Some(*k) != empty && Some(*k) != full);
@@ -78,17 +78,17 @@ pub fn views(method: &dyn Method) -> Vec<View> {
         about: l.about,
         scale: l.scale,
         main: false,
-        from: From::Layer(k),
+        of: Of::Layer(k),
     }));
     let class = "1 occupied, 0 unknown, -1 empty, by the method's decision rule";
-    views.push(View { name: "class", about: class, scale: SIGNED, main: false, from: From::Class });
+    views.push(View { name: "class", about: class, scale: SIGNED, main: false, of: Of::Class });
     let updates = Scale::Heat { low: 0.0, high: 50.0 };
     views.push(View {
         name: "updates",
         about: "how often a reading updated the cell",
         scale: updates,
         main: false,
-        from: From::Updates,
+        of: Of::Updates,
     });
     views
 }
@@ -99,7 +99,7 @@ pub const DIFFERENCE: View = View {
     about: "combined picture of the second less that of the first: red more occupied, blue more empty, full colour from 1 on",
     scale: Scale::Signed { limit: 1.0 },
     main: true,
-    from: From::Combined,
+    of: Of::Combined,
 };
 
 /// Keys of the pyramid: a lane's views, those of what the page computed, the difference.
@@ -140,45 +140,43 @@ pub fn blocks(tiles: &Tiles) -> Vec<[usize; 2]> {
     blocks
 }
 
+/// What is asked for: its key, the view, the lanes that it is of.
+type Asked<'a> = ([u32; 2], View, Vec<&'a Lane>);
+
+fn asked<'a>(lanes: &'a [Lane], ask: &Ask, of_page: bool) -> Result<Asked<'a>> {
+    if ask.text("source")? == "difference" {
+        return match lanes {
+            [_, _] => Ok(([OF_BOTH, u32::from(of_page)], DIFFERENCE, lanes.iter().collect())),
+            _ => Err(Error::Usage("there is a difference of two methods only".into())),
+        };
+    }
+    let k = ask.number("source")?;
+    let Some(lane) = lanes.get(k) else {
+        return Err(Error::Usage(format!("there is no source {k}: there are {}, from 0", lanes.len())));
+    };
+    let (name, views) = (ask.text("view")?, views(lane.stepper.method()));
+    let names: Vec<&str> = views.iter().map(|v| v.name).collect();
+    let unknown = || Error::Usage(format!("there is no view {name}: there are {}", names.join(", ")));
+    let (n, view) = views.into_iter().enumerate().find(|(_, v)| v.name == name).ok_or_else(unknown)?;
+    Ok(([if of_page { PAGE } else { 0 } + k as u32, n as u32], view, vec![lane]))
+}
+
 /// The tile that is asked for.
 pub fn tile(pyramid: &Pyramid, lanes: &[Lane], ask: &Ask) -> Result<Answer> {
     let grid = lanes[0].stepper.grid();
     let extent = [grid.width, grid.height];
     let at = Place::asked(ask, extent)?;
     let of_page = ask.query.get("backend").is_some_and(|b| b == "webgpu");
-    let (key, view, sources): ([u32; 2], View, Vec<&Lane>) = match ask.text("source")? {
-        "difference" => match lanes {
-            [_, _] => ([OF_BOTH, u32::from(of_page)], DIFFERENCE, lanes.iter().collect()),
-            _ => return Err(Error::Usage("there is a difference of two methods only".into())),
-        },
-        _ => {
-            let k = ask.number("source")?;
-            let Some(lane) = lanes.get(k) else {
-                return Err(Error::Usage(format!("there is no source {k}: there are {}, from 0", lanes.len())));
-            };
-            let name = ask.text("view")?;
-            let views = views(lane.stepper.method());
-            let Some(n) = views.iter().position(|v| v.name == name) else {
-                let names: Vec<&str> = views.iter().map(|v| v.name).collect();
-                return Err(Error::Usage(format!("there is no view {name}: there are {}", names.join(", "))));
-            };
-            let source = if of_page { PAGE } else { 0 } + k as u32;
-            ([source, n as u32], views.into_iter().nth(n).unwrap_or(DIFFERENCE), vec![lane])
-        }
-    };
+    let (key, View { scale, of, .. }, lanes) = asked(lanes, ask, of_page)?;
     let base = |block: [usize; 2]| {
-        let parts: Vec<Option<Vec<f32>>> = sources
-            .iter()
-            .map(|lane| values(chunks_of(lane, of_page), lane.stepper.method(), view.from, extent, block))
-            .collect();
-        Ok(match &parts[..] {
-            [first, second] => difference(first.as_ref(), second.as_ref()),
-            _ => parts.into_iter().next().flatten(),
+        let part = |lane: &Lane| values(chunks_of(lane, of_page), lane.stepper.method(), of, extent, block);
+        Ok(match lanes[..] {
+            [first, second] => difference(part(first).as_ref(), part(second).as_ref()),
+            _ => lanes.first().and_then(|lane| part(lane)),
         })
     };
-    let shown = Shown { key, extent, scale: view.scale, base: &base };
-    match pyramid.tile(&shown, at)? {
-        Some(tile) => Ok(Answer::Bytes("image/png", tile.picture(view.scale)?)),
+    match pyramid.tile(&Shown { key, extent, scale, base: &base }, at)? {
+        Some(tile) => Ok(Answer::Bytes("image/png", tile.picture(scale)?)),
         None => Ok(Answer::Nothing),
     }
 }
@@ -194,7 +192,7 @@ fn chunks_of(lane: &Lane, of_page: bool) -> &Chunks {
 fn values(
     chunks: &Chunks,
     method: &dyn Method,
-    from: From,
+    of: Of,
     extent: [usize; 2],
     [column, row]: [usize; 2],
 ) -> Option<Vec<f32>> {
@@ -212,7 +210,7 @@ fn values(
                 let (i, j) = (x + at % TILE, y + at / TILE);
                 if i < width && j < height {
                     (0..planes).for_each(|p| own[p] = words[p * TILE_CELLS + at]);
-                    values[j * width + i] = value(method, &own, &mut layers, from);
+                    values[j * width + i] = value(method, &own, &mut layers, of);
                 }
             }
         }
@@ -221,20 +219,20 @@ fn values(
 }
 
 /// A cell's value in a view; not a number where no reading reached it.
-fn value(method: &dyn Method, words: &[u32], layers: &mut [f32], from: From) -> f32 {
+fn value(method: &dyn Method, words: &[u32], layers: &mut [f32], of: Of) -> f32 {
     let updates = words[0] + words[1];
     if updates == 0 && !method.faint(words) {
         return f32::NAN;
     }
     let class = method.values(words, layers);
     let combined = || method.combined(layers, class);
-    match from {
-        From::Layer(k) => layers[k],
-        From::Empty => (-combined()).max(0.0),
-        From::Full => combined().max(0.0),
-        From::Combined => combined(),
-        From::Class => f32::from(class as i8),
-        From::Updates => updates as f32,
+    match of {
+        Of::Layer(k) => layers[k],
+        Of::Empty => (-combined()).max(0.0),
+        Of::Full => combined().max(0.0),
+        Of::Combined => combined(),
+        Of::Class => f32::from(class as i8),
+        Of::Updates => updates as f32,
     }
 }
 
