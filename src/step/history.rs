@@ -5,6 +5,7 @@
 
 use super::apply::{binning, cone, snap_update};
 use super::cells::words_at;
+use super::working::said;
 use super::{Cell, Items, Stepper};
 use crate::Result;
 use crate::batch::Batch;
@@ -29,6 +30,8 @@ pub struct Event {
     pub before: Option<Cell>,
     /// After it.
     pub after: Option<Cell>,
+    /// Its own evidence of the cell ([`oracle::WorkingCell::own`]); of an update P(occupied) that it says; of a scan nothing.
+    pub own: Option<f64>,
     /// Of a scan the beam that the cell takes, and what each α gained.
     pub given: Option<oracle::Given>,
 }
@@ -57,6 +60,7 @@ impl Stepper {
                     arc: given.counted[1],
                     before: None,
                     after: None,
+                    own: None,
                     given: Some(given),
                 };
                 given.into_iter().map(event).collect()
@@ -67,7 +71,22 @@ impl Stepper {
         let total = events.len();
         events.reverse();
         events.truncate(count);
+        for event in &mut events {
+            event.own = self.own(event, column, row)?;
+        }
         Ok(History { total, events })
+    }
+
+    /// An item's own evidence of the cell.
+    fn own(&self, event: &Event, column: usize, row: usize) -> Result<Option<f64>> {
+        if let (Items::Updates(..), Some(before), Some(after)) = (self.items(), &event.before, &event.after) {
+            return Ok(Some(said(self, before, after)));
+        }
+        let Some((reading, wedge)) = self.items().reading(event.item) else { return Ok(None) };
+        let settings = self.method().settings();
+        let working = oracle::working_of(self.grid(), self.sensors(), &reading, &settings, wedge, &|_| 0.0)?;
+        let cell = working.cells.iter().find(|c| (c.update.column, c.update.row) == (column, row));
+        Ok(cell.map(|c| c.own))
     }
 
     fn of_readings(&self, items: &[Item], column: usize, row: usize) -> Result<Vec<Event>> {
@@ -137,7 +156,7 @@ impl Stepper {
 fn event(stepper: &Stepper, item: usize, before: &[u32], after: &[u32]) -> Option<Event> {
     let cell = |words| Some(Cell::of(stepper.method(), Some(words)));
     let arc = before[1] != after[1];
-    (before != after).then(|| Event { item, arc, before: cell(before), after: cell(after), given: None })
+    (before != after).then(|| Event { item, arc, before: cell(before), after: cell(after), own: None, given: None })
 }
 
 /// A run of the kernel over one tile.

@@ -50,8 +50,7 @@ pub fn explain(stepper: &Stepper) -> Result<Option<Explained>> {
     if let Some(update) = items.update(last) {
         let pose = update.reading.record.pose;
         let says = |story: CellStory| {
-            let odds = [&story.before, &story.after].map(|cell| log_odds(stepper, cell));
-            let said = 1.0 / (1.0 + (odds[0] - odds[1]).exp());
+            let said = said(stepper, &story.before, &story.after);
             CellStory { evidence: Some([said; 3]), ..story }
         };
         return Ok(Some(explained(stories(stepper, &pose).map(says).collect())));
@@ -98,6 +97,11 @@ fn explain_reading(stepper: &Stepper, (reading, wedge): &Item) -> Result<Explain
     let cells = stories(stepper, &reading.record.pose).filter_map(tell).collect();
     let sum = matches!(settings, Settings::Certainty(_)).then_some(working.sum);
     Ok(Explained { cells, n: working.arc_cells, sum })
+}
+
+/// P(occupied) that an update says, from what it made of the cell's log odds.
+pub(super) fn said(stepper: &Stepper, before: &Cell, after: &Cell) -> f64 {
+    1.0 / (1.0 + (log_odds(stepper, before) - log_odds(stepper, after)).exp())
 }
 
 /// A cell's log odds of occupied, for methods that keep them.

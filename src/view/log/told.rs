@@ -158,7 +158,7 @@ fn event(lane: &Lane, event: &Event, layers: usize) -> Value {
     let mut told = json!({
         "number": event.item + 1,
         "region": if event.arc { "arc" } else { "interior" },
-        "own": null,
+        "own": event.own.map(number),
         "before": values(&event.before),
         "after": values(&event.after),
     });
