@@ -14,6 +14,7 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio::sync::Semaphore;
+use tokio_io_timeout::TimeoutStream;
 
 /// Bytes of a request's head at most.
 const HEAD: usize = 64 << 10;
@@ -46,7 +47,7 @@ pub struct Limits {
     pub worked_on: usize,
     /// How long a request's head may take, and a connection lie idle.
     pub head: Duration,
-    /// How long a body may take.
+    /// How long a body may take, and a client to take more of an answer.
     pub body: Duration,
     /// How long a request may wait until it is worked on.
     pub wait: Duration,
@@ -138,10 +139,12 @@ async fn listen(listener: TcpListener, router: Router, limits: Limits) {
             continue;
         };
         let _ = stream.set_nodelay(true);
+        let mut stream = TimeoutStream::new(stream);
+        stream.set_write_timeout(Some(limits.body));
         let service = TowerToHyperService::new(router.clone());
         let mut http = http1::Builder::new();
         http.timer(TokioTimer::new()).header_read_timeout(limits.head).max_buf_size(HEAD);
-        let connection = http.serve_connection(TokioIo::new(stream), service);
+        let connection = http.serve_connection(TokioIo::new(Box::pin(stream)), service);
         tokio::spawn(async move {
             let _ = connection.await; // a client that breaks off is its own affair
             drop(place);
