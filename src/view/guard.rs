@@ -1,81 +1,62 @@
 //! Who is let in: whoever knows the token, from a page that this server sent, under a name that no stranger's domain can
 //! take. All of it is decided from a request's head, before any of its body is read.
 
-use hyper::header::{CONTENT_TYPE, HOST, HeaderMap, HeaderName, ORIGIN};
-use hyper::http::request::Parts;
-use hyper::{Method, StatusCode};
+use super::page;
+use super::refusal::{FORM, LARGE, NAME, Refusal, STRANGER, TOKEN};
+use axum::body::HttpBody;
+use axum::extract::{Request, State};
+use axum::http::Method;
+use axum::http::header::{CONTENT_TYPE, HOST, HeaderMap, HeaderName, HeaderValue, ORIGIN};
+use axum::middleware::Next;
+use axum::response::IntoResponse;
 use std::hint::black_box;
 use std::net::{IpAddr, Ipv6Addr};
+use std::sync::Arc;
 
 /// Bytes of a body at most, and of what a browser's GPU computed.
-const BODY: u64 = 64 << 10;
-const WORDS: u64 = 64 << 20;
+const BODY: usize = 64 << 10;
+const WORDS: usize = 64 << 20;
 
-/// Why a request isn't answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Refusal {
-    pub status: StatusCode,
-    pub text: &'static str,
+/// Lets a request in or turns it away; either way the response has the headers that all have.
+pub(super) async fn guard(State(token): State<Arc<str>>, request: Request, next: Next) -> impl IntoResponse {
+    let reply = match admit(&request, &token) {
+        Ok(()) => next.run(request).await,
+        Err(refusal) => refusal.into_response(),
+    };
+    (page::HEADERS, reply)
 }
 
-const fn refusal(status: StatusCode, text: &'static str) -> Refusal {
-    Refusal { status, text }
-}
-
-const TOKEN: Refusal =
-    refusal(StatusCode::FORBIDDEN, "Forbidden: open the whole address that echogrid view printed, token and all.\n");
-const NAME: Refusal =
-    refusal(StatusCode::FORBIDDEN, "Forbidden: open it by its IP address, or as localhost, not by another name.\n");
-const STRANGER: Refusal = refusal(
-    StatusCode::FORBIDDEN,
-    "Forbidden: another site asked for it. Paste the address into the browser's address bar.\n",
-);
-const UNKNOWN: Refusal = refusal(StatusCode::NOT_FOUND, "there is nothing at this address");
-const METHOD: Refusal = refusal(StatusCode::METHOD_NOT_ALLOWED, "GET, HEAD and POST are answered");
-const FORM: Refusal = refusal(StatusCode::UNSUPPORTED_MEDIA_TYPE, "send JSON or bytes, no form");
-/// A body that is too large.
-pub(super) const LARGE: Refusal = refusal(StatusCode::PAYLOAD_TOO_LARGE, "the body is too large");
-/// A body that doesn't come.
-pub(super) const SLOW: Refusal = refusal(StatusCode::REQUEST_TIMEOUT, "the body did not come in time");
-/// A body that breaks off.
-pub(super) const BROKEN: Refusal = refusal(StatusCode::BAD_REQUEST, "the body can't be read");
-/// A query that isn't percent-encoded UTF-8.
-pub(super) const QUERY: Refusal = refusal(StatusCode::BAD_REQUEST, "the query can't be read");
-/// Too much to do.
-pub(super) const BUSY: Refusal =
-    refusal(StatusCode::SERVICE_UNAVAILABLE, "too many requests are being worked on: ask again");
-
-/// What follows the token in a request's path, without the first slash; `None`: the token alone, without a slash.
-pub(super) fn admit(head: &Parts, token: &str) -> Result<Option<String>, Refusal> {
-    let host = one(&head.headers, HOST).ok_or(NAME)?;
-    let elsewhere = head.uri.authority().is_some_and(|a| !a.as_str().eq_ignore_ascii_case(host));
+fn admit(request: &Request, token: &str) -> Result<(), Refusal> {
+    let (uri, headers) = (request.uri(), request.headers());
+    let host = one(headers, HOST).ok_or(NAME)?;
+    let elsewhere = uri.authority().is_some_and(|a| !a.as_str().eq_ignore_ascii_case(host));
     if !is_literal(host) || elsewhere {
         return Err(NAME);
     }
-    if !is_own_page(&head.headers, host) {
+    if !is_own_page(headers, host) {
         return Err(STRANGER);
     }
-    let path = head.uri.path().strip_prefix('/').ok_or(TOKEN)?;
-    let (first, rest) = path.split_once('/').map_or((path, None), |(first, rest)| (first, Some(rest)));
-    if !same(first, token) {
+    let (given, path) = parts(uri.path());
+    if !same(given, token) {
         return Err(TOKEN);
     }
-    let rest = rest.unwrap_or_default();
-    if !is_plain(rest) {
-        return Err(UNKNOWN);
-    }
-    let reads = head.method == Method::GET || head.method == Method::HEAD;
-    if !(reads || head.method == Method::POST && rest.starts_with("api/")) {
-        return Err(METHOD);
-    }
-    if head.method == Method::POST && is_form(&head.headers) {
+    if request.method() == Method::POST && is_form(headers) {
         return Err(FORM);
     }
-    Ok(path.contains('/').then(|| rest.to_string()))
+    if request.body().size_hint().lower() > limit(path) as u64 {
+        return Err(LARGE);
+    }
+    Ok(())
+}
+
+/// A path's first part, the token, and what follows the slash behind it.
+pub(super) fn parts(path: &str) -> (&str, &str) {
+    let path = path.strip_prefix('/').unwrap_or_default();
+    path.split_once('/').unwrap_or((path, ""))
 }
 
 /// Bytes that a body sent to a path may have.
-pub(super) fn limit(path: &str) -> u64 {
+pub(super) fn limit(path: &str) -> usize {
     if ["api/gpu/words", "api/gpu/share"].contains(&path) { WORDS } else { BODY }
 }
 
@@ -123,19 +104,9 @@ fn same(given: &str, token: &str) -> bool {
     given.len() == token.len() && differing == 0
 }
 
-/// Whether a path is made of plain names: no percent signs, no dots alone, no empty parts.
-fn is_plain(path: &str) -> bool {
-    let name = |part: &str| {
-        !part.is_empty()
-            && !part.starts_with('.')
-            && part.bytes().all(|b| b.is_ascii_alphanumeric() || b"._-".contains(&b))
-    };
-    path.is_empty() || path.split('/').all(name)
-}
-
 /// Whether a body is of a type that a form on another site could send.
 fn is_form(headers: &HeaderMap) -> bool {
-    let kind = |value: &hyper::header::HeaderValue| {
+    let kind = |value: &HeaderValue| {
         let text = value.to_str().unwrap_or_default().trim_start().to_ascii_lowercase();
         ["text/plain", "multipart/", "application/x-www-form-urlencoded"].iter().any(|form| text.starts_with(form))
     };
@@ -166,16 +137,6 @@ mod tests {
             "[127.0.0.1]",
         ] {
             assert!(!is_literal(bad), "{bad}");
-        }
-    }
-
-    #[test]
-    fn paths() {
-        for good in ["", "view.js", "api/session", "api/gpu/words"] {
-            assert!(is_plain(good), "{good}");
-        }
-        for bad in ["/", "..", "api/../x", "api//x", "%2e%2e/x", "api/", ".git", "a\0b", "a\\b"] {
-            assert!(!is_plain(bad), "{bad}");
         }
     }
 

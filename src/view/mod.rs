@@ -9,6 +9,7 @@ pub mod log;
 pub mod map;
 mod page;
 mod pyramid;
+mod refusal;
 mod server;
 mod tile;
 

@@ -1,14 +1,11 @@
 //! The page's own files, built in: nothing is ever read from disk because a request named it.
 
-/// A file of the page by its path: its media type and its bytes.
-pub(super) fn file(path: &str) -> Option<(&'static str, &'static [u8])> {
-    Some(match path {
-        "" => ("text/html; charset=utf-8", include_bytes!("../../web/dist/index.html").as_slice()),
-        "view.js" => ("text/javascript; charset=utf-8", include_bytes!("../../web/dist/view.js").as_slice()),
-        "view.css" => ("text/css; charset=utf-8", include_bytes!("../../web/dist/view.css").as_slice()),
-        _ => return None,
-    })
-}
+/// Files of the page: name, media type, bytes.
+pub(super) const FILES: [(&str, &str, &[u8]); 3] = [
+    ("", "text/html; charset=utf-8", include_bytes!("../../web/dist/index.html")),
+    ("view.js", "text/javascript; charset=utf-8", include_bytes!("../../web/dist/view.js")),
+    ("view.css", "text/css; charset=utf-8", include_bytes!("../../web/dist/view.css")),
+];
 
 /// Headers of every response. The page loads nothing from elsewhere, runs no script but its own, and shows in no frame.
 pub(super) const HEADERS: [(&str, &str); 5] = [

@@ -2,18 +2,19 @@
 //! reaches, and answers whoever knows its token.
 
 use super::View;
-use super::answer::Desk;
+use super::answer::router;
 use crate::{Error, Result};
+use axum::Router;
 use hyper::server::conn::http1;
-use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
-use std::convert::Infallible;
+use hyper_util::service::TowerToHyperService;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio::sync::Semaphore;
+use tokio_io_timeout::TimeoutStream;
 
 /// Bytes of a request's head at most.
 const HEAD: usize = 64 << 10;
@@ -46,7 +47,7 @@ pub struct Limits {
     pub worked_on: usize,
     /// How long a request's head may take, and a connection lie idle.
     pub head: Duration,
-    /// How long a body may take.
+    /// How long a body may take, and a client to take more of an answer.
     pub body: Duration,
     /// How long a request may wait until it is worked on.
     pub wait: Duration,
@@ -84,7 +85,7 @@ impl Server {
         let at = listener.local_addr().map_err(|e| failed(&e.to_string()))?;
         raise_limit();
         let limits = options.limits;
-        runtime.spawn(listen(listener, Arc::new(Desk::new(view, token.clone(), limits)), limits));
+        runtime.spawn(listen(listener, router(view, &token, limits), limits));
         Ok(Server { at, token, runtime: Some(runtime) })
     }
 
@@ -128,7 +129,8 @@ pub fn serve(view: Arc<dyn View>, options: &Options, started: &dyn Fn(&Server)) 
     Ok(())
 }
 
-async fn listen(listener: TcpListener, desk: Arc<Desk>, limits: Limits) {
+/// Accepts connections. Not by `axum::serve`: it bounds neither their number nor how long a head may take.
+async fn listen(listener: TcpListener, router: Router, limits: Limits) {
     let places = Arc::new(Semaphore::new(limits.connections));
     loop {
         let Ok(place) = places.clone().acquire_owned().await else { return };
@@ -137,16 +139,14 @@ async fn listen(listener: TcpListener, desk: Arc<Desk>, limits: Limits) {
             continue;
         };
         let _ = stream.set_nodelay(true);
-        let desk = desk.clone();
+        let mut stream = TimeoutStream::new(stream);
+        stream.set_write_timeout(Some(limits.body));
+        let service = TowerToHyperService::new(router.clone());
+        let mut http = http1::Builder::new();
+        http.timer(TokioTimer::new()).header_read_timeout(limits.head).max_buf_size(HEAD);
+        let connection = http.serve_connection(TokioIo::new(Box::pin(stream)), service);
         tokio::spawn(async move {
-            let service = service_fn(|request| {
-                let desk = desk.clone();
-                async move { Ok::<_, Infallible>(desk.answer(request).await) }
-            });
-            let mut connection = http1::Builder::new();
-            connection.timer(TokioTimer::new()).header_read_timeout(limits.head).max_buf_size(HEAD);
-            // A client that breaks off is its own affair.
-            let _ = connection.serve_connection(TokioIo::new(stream), service).await;
+            let _ = connection.await; // a client that breaks off is its own affair
             drop(place);
         });
     }

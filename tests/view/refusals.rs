@@ -239,3 +239,14 @@ fn clients_that_dawdle() {
     let [head, body, wait] = [10, 60, 60].map(Duration::from_secs);
     assert_eq!(Limits::default(), Limits { connections: 1024, worked_on: 64, head, body, wait });
 }
+
+#[test]
+fn answers_that_nobody_reads() {
+    let limits = Limits { connections: 1, body: Duration::from_millis(300), ..Limits::default() };
+    let web = Web::of(std::sync::Arc::new(crate::web::Puppet::default()), limits);
+    let mut stream = web.connect();
+    let request = web.fill("GET /TOKEN/view.js HTTP/1.1\r\nHost: HOST\r\n\r\n");
+    stream.write_all(request.repeat(1000).as_bytes()).unwrap();
+    web.lives(); // its place was given to the next one
+    drop(stream);
+}
