@@ -326,6 +326,15 @@ fn a_pages_own_words_are_held_against_the_cpus() {
             ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(),
             Answer::Bytes(..) | Answer::Nothing
         ));
+        assert_eq!(told(post(&view, "api/gpu/reset", "lane=0", &[])), json!({}));
+        let cpus = ask(&view, "api/tile", shown).unwrap();
+        assert_eq!(
+            ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(),
+            cpus,
+            "nothing of the page's is left"
+        );
+        told(send(50, &body));
+        assert_ne!(ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(), cpus);
         refused(send(49, &body), "the log stands at 50");
         refused(send(50, &body[..body.len() - 1]), "words were sent");
         refused(send(50, &[u32::MAX]), "words were sent");

@@ -3,7 +3,9 @@
 
 import { byId, make, pairs } from "./dom";
 import { count, number } from "./format";
-import { type Check, Runner, open } from "./gpu";
+import { Runner } from "./gpu";
+import { type Check, add } from "./gpu-check";
+import { open } from "./gpu-device";
 import type { Model } from "./model";
 import type { State } from "./protocol";
 
@@ -16,6 +18,8 @@ export class Compute {
   private runners: Runner[] = [];
   private checks: (Check | string)[] = [];
   private running: Promise<void> | null = null;
+  /** Has the log stand still for a moment and follows it there. */
+  nudge: () => void = () => {};
 
   constructor(private readonly model: Model) {
     byId("compute-details", HTMLDetailsElement).hidden = !model.log;
@@ -47,7 +51,10 @@ export class Compute {
   private async toggle(): Promise<void> {
     if (!this.box.checked) {
       this.runners.forEach((r) => r.quit());
-      return this.guard(() => Promise.resolve(this.stop("")));
+      // Unless it was switched on again meanwhile: then it begins anew.
+      return this.guard(async () => {
+        if (!this.box.checked) this.stop("");
+      });
     }
     try {
       if (!this.device) {
@@ -73,8 +80,7 @@ export class Compute {
     this.runners = model.session.sources.map((_, lane) => new Runner(device, lane));
     this.checks = [];
     await Promise.all(this.runners.map((r) => r.reset()));
-    if (model.state) await this.advance(model.state);
-    this.retile();
+    this.nudge();
   }
 
   /** Another session: its lanes start anew. */
@@ -87,7 +93,9 @@ export class Compute {
   /** Brings every lane's own map to the server's place. */
   async follow(state: State): Promise<void> {
     if (!this.box.checked || !this.runners.length) return;
+    const before = this.model.tiles.computed.size;
     await this.guard(() => this.advance(state));
+    if (before !== this.model.tiles.computed.size) this.retile();
   }
 
   /** Until nothing is under way. */
@@ -120,6 +128,7 @@ export class Compute {
       const old = this.checks[runner.lane];
       this.checks[runner.lane] = old && typeof old !== "string" && before <= lane.position ? add(old, found) : found;
       this.model.tiles.computed.add(runner.lane);
+      if (this.model.session.difference) this.model.tiles.computed.add("difference");
     }
   }
 
@@ -162,14 +171,4 @@ export class Compute {
       }),
     );
   }
-}
-
-function add(a: Check, b: Check): Check {
-  return {
-    tiles: a.tiles + b.tiles,
-    cells: a.cells + b.cells,
-    membership: a.membership + b.membership,
-    values: a.values + b.values,
-    largest: Math.max(a.largest, b.largest),
-  };
 }

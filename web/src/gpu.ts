@@ -2,7 +2,10 @@
 // in the order that the server's plan gives. No part of the page is known here.
 
 import { api } from "./api";
-import type { GpuBatch, GpuCheck, GpuChunk, GpuPlan, GpuShader, Span } from "./protocol";
+import { type Check, add, none } from "./gpu-check";
+import { bindings } from "./gpu-device";
+import { type Batch, type Piece, parse, posts, read } from "./gpu-bytes";
+import type { GpuBatch, GpuChunk, GpuPlan, GpuShader, Span } from "./protocol";
 
 /** Readings in a batch, at most. */
 const PIECE = 4096;
@@ -11,53 +14,6 @@ const SMALLEST = 256;
 /** Threads of a group that sums. */
 const SUMMED = 64;
 
-/** Where cells are compared with the server's, what came out. */
-export interface Check {
-  tiles: number;
-  cells: number;
-  membership: number;
-  values: number;
-  largest: number;
-}
-
-/** An adapter's device, with the largest buffers that it gives. */
-export interface Opened {
-  device: GPUDevice;
-  name: string;
-}
-
-/** Opens the browser's GPU; throws in words where there is none. */
-export async function open(): Promise<Opened> {
-  if (!("gpu" in navigator)) throw new Error("this browser has no WebGPU");
-  const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
-  if (!adapter) throw new Error("this browser's WebGPU finds no adapter");
-  const { maxStorageBufferBindingSize, maxBufferSize } = adapter.limits;
-  const device = await adapter.requestDevice({
-    label: "echogrid",
-    requiredLimits: { maxStorageBufferBindingSize, maxBufferSize },
-  });
-  const { vendor, architecture, device: model, description } = adapter.info;
-  const name = description || [vendor, architecture, model].filter(Boolean).join(" ") || "an adapter without a name";
-  return { device, name };
-}
-
-interface Batch {
-  told: GpuBatch;
-  /** The file, and where its first buffer begins. */
-  file: ArrayBuffer;
-  start: number;
-}
-
-function parse(file: ArrayBuffer): Batch {
-  const bytes = new DataView(file).getUint32(0, true);
-  const text = new TextDecoder().decode(new Uint8Array(file, 4, bytes));
-  return { told: JSON.parse(text) as GpuBatch, file, start: 4 + bytes };
-}
-
-function decode(base64: string): Uint8Array<ArrayBuffer> {
-  return Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-}
-
 /** One lane. */
 export class Runner {
   /** The readings that its map holds. */
@@ -65,6 +21,8 @@ export class Runner {
   private plan: GpuPlan | null = null;
   private quitting = false;
   private readonly chunks = new Map<string, GPUBuffer>();
+  /** Tiles that were reached since the server saw them last: a chunk's place and slot. */
+  private readonly reached = new Map<string, [number, number, number]>();
   private readonly pipelines = new Map<string, GPUComputePipeline>();
   private readonly layout: GPUBindGroupLayout;
 
@@ -72,21 +30,7 @@ export class Runner {
     private readonly device: GPUDevice,
     readonly lane: number,
   ) {
-    const storage = (type: GPUBufferBindingType) => ({ type });
-    const types: GPUBufferBindingType[] = [
-      "uniform",
-      "read-only-storage",
-      "read-only-storage",
-      "read-only-storage",
-      "storage",
-      "storage",
-      "storage",
-      "read-only-storage",
-    ];
-    this.layout = device.createBindGroupLayout({
-      label: "every pass",
-      entries: types.map((type, binding) => ({ binding, visibility: GPUShaderStage.COMPUTE, buffer: storage(type) })),
-    });
+    this.layout = bindings(device);
   }
 
   /** Why the lane's method can't be computed here; `null`: it can. */
@@ -107,6 +51,7 @@ export class Runner {
   close(): void {
     this.chunks.forEach((b) => b.destroy());
     this.chunks.clear();
+    this.reached.clear();
   }
 
   /** Back to no reading at all. */
@@ -116,10 +61,12 @@ export class Runner {
     await api.reset(this.lane);
   }
 
-  /** Brings the map to that reading, from nothing if it is past it, and has every piece compared by the server. */
+  /**
+   * Brings the map to that reading, from nothing if it is past it. The server stands there already: it compares all that
+   * was reached on the way.
+   */
   async advance(to: number): Promise<Check> {
     if (to < this.position) await this.reset();
-    const sum: Check = { tiles: 0, cells: 0, membership: 0, values: 0, largest: 0 };
     let most = PIECE;
     while (this.position < to && !this.quitting) {
       const end = Math.min(to, this.position + most);
@@ -128,13 +75,37 @@ export class Runner {
         most = Math.ceil((end - this.position) / 2);
         continue;
       }
-      const found = await this.run(batch);
-      sum.tiles += found.tiles;
-      sum.cells += found.cells;
-      sum.membership += found.membership_differences;
-      sum.values += found.value_differences;
-      sum.largest = Math.max(sum.largest, found.largest ?? 0);
+      await this.run(batch);
       this.position = end;
+    }
+    return this.compare();
+  }
+
+  /** Shows the server every tile that it has not seen as it is now. */
+  private async compare(): Promise<Check> {
+    let sum = none();
+    const bytes = 4 * (this.plan?.tile_words ?? 0);
+    for (const tiles of posts([...this.reached.values()], bytes)) {
+      if (this.quitting) break;
+      const pieces = tiles.map(([column, row, slot]): Piece => {
+        const from = this.chunks.get([column, row].join());
+        if (!from) throw new Error(`no chunk ${column}, ${row}`);
+        return { from, at: slot * bytes, bytes };
+      });
+      const head = new Uint32Array([tiles.length, ...tiles.flat()]);
+      const found = await api.words(
+        this.lane,
+        this.position,
+        await read(this.device, pieces, new Uint8Array(head.buffer)),
+      );
+      tiles.forEach((tile) => this.reached.delete(tile.join()));
+      sum = add(sum, {
+        tiles: found.tiles,
+        cells: found.cells,
+        membership: found.membership_differences,
+        values: found.value_differences,
+        largest: found.largest ?? 0,
+      });
     }
     return sum;
   }
@@ -185,7 +156,7 @@ export class Runner {
   }
 
   /** One batch through every step of the plan. */
-  private async run(batch: Batch): Promise<GpuCheck> {
+  private async run(batch: Batch): Promise<void> {
     this.plan ??= await api.plan(this.lane);
     const { device } = this;
     const { told } = batch;
@@ -226,7 +197,7 @@ export class Runner {
         const shader = told.shaders[step.kernel ?? ""];
         if (!shader) throw new Error(`the batch has no kernel ${step.kernel}`);
         const pipeline = await this.pipeline(shader);
-        const frame = this.frame(told, step.mode);
+        const frame = this.frame(batch, step.mode);
         made.push(frame);
         const encoder = device.createCommandEncoder({ label: shader.entry });
         const summing = step.kernel === "sum";
@@ -247,71 +218,30 @@ export class Runner {
         }
         device.queue.submit([encoder.finish()]);
       }
-      const words = await this.words(told);
-      const failed = (await device.popErrorScope()) ?? (await device.popErrorScope());
-      if (failed) throw new Error(`the GPU refuses: ${failed.message}`);
-      return await api.words(this.lane, told.to, words);
+      const failed = await Promise.all([device.popErrorScope(), device.popErrorScope()]);
+      const error = failed.find((e) => e);
+      if (error) throw new Error(`the GPU refuses: ${error.message}`);
+      for (const { place, slots } of told.chunks) {
+        for (const slot of slots) this.reached.set([...place, slot].join(), [...place, slot]);
+      }
     } finally {
       made.forEach((b) => b.destroy());
     }
   }
 
-  private frame(told: GpuBatch, mode: number | undefined): GPUBuffer {
-    const bytes = decode(told.frame);
-    if (mode !== undefined) new DataView(bytes.buffer).setUint32(8, mode, true);
-    const buffer = this.buffer("frame", bytes.length, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST);
-    this.device.queue.writeBuffer(buffer, 0, bytes);
+  private frame({ told, file, start }: Batch, mode: number | undefined): GPUBuffer {
+    const { at, bytes } = told.frame;
+    const words = file.slice(start + at, start + at + bytes);
+    if (mode !== undefined) new DataView(words).setUint32(8, mode, true);
+    const buffer = this.buffer("frame", bytes, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST);
+    this.device.queue.writeBuffer(buffer, 0, words);
     return buffer;
   }
 
   /** The host makes shares of counts: the one step that is not a kernel's. */
   private async share(told: GpuBatch, parts: GPUBuffer, shares: GPUBindingResource): Promise<void> {
-    const counts = await this.read([{ from: parts, at: 0, bytes: 4 * told.readings }]);
+    const counts = await read(this.device, [{ from: parts, at: 0, bytes: 4 * told.readings }]);
     const answer = await api.share(this.lane, told.from, told.to, counts);
     if ("buffer" in shares) this.device.queue.writeBuffer(shares.buffer, 0, answer);
-  }
-
-  /** The words of every tile that the batch reached. */
-  private words(told: GpuBatch): Promise<Uint8Array<ArrayBuffer>> {
-    const bytes = 4 * (this.plan?.tile_words ?? 0);
-    return this.read(
-      told.chunks.flatMap((chunk) => {
-        const from = this.cells(chunk);
-        return chunk.slots.map((slot) => ({ from, at: slot * bytes, bytes }));
-      }),
-    );
-  }
-
-  private async read(spans: { from: GPUBuffer; at: number; bytes: number }[]): Promise<Uint8Array<ArrayBuffer>> {
-    const total = spans.reduce((sum, s) => sum + s.bytes, 0);
-    const out = new Uint8Array(total);
-    // Few bytes at a time: a buffer that is mapped has a limit too.
-    const most = Math.min(64 << 20, this.device.limits.maxBufferSize);
-    for (let k = 0, at = 0; k < spans.length;) {
-      const taken: typeof spans = [];
-      let bytes = 0;
-      for (let s = spans[k]; s && (bytes === 0 || bytes + s.bytes <= most); s = spans[++k]) {
-        taken.push(s);
-        bytes += s.bytes;
-      }
-      if (!bytes) continue;
-      const staging = this.device.createBuffer({
-        label: "read",
-        size: bytes,
-        usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST,
-      });
-      const encoder = this.device.createCommandEncoder({ label: "read" });
-      let to = 0;
-      for (const s of taken) {
-        encoder.copyBufferToBuffer(s.from, s.at, staging, to, s.bytes);
-        to += s.bytes;
-      }
-      this.device.queue.submit([encoder.finish()]);
-      await staging.mapAsync(GPUMapMode.READ);
-      out.set(new Uint8Array(staging.getMappedRange()), at);
-      staging.destroy();
-      at += bytes;
-    }
-    return out;
   }
 }

@@ -110,7 +110,7 @@ export class Inspect {
         table(
           ["reading", "where", "own", "before → after", "scan", "sensor", "range"],
           events.map((e) => this.event(e, layers)),
-          `${count(total)} readings touched it; latest first`,
+          `readings that touched it: ${count(total)}, latest first`,
         ),
       );
     if (events.length < total) {
@@ -132,7 +132,7 @@ export class Inspect {
       e.region,
       number(e.own),
       change(layers, e.before, e.after),
-      String(e.scan),
+      String(e.scan + 1),
       e.sensor,
       range,
     ];
@@ -143,7 +143,7 @@ export class Inspect {
 function chosen(list: Chosen[]): HTMLElement {
   const keys = [...new Set(list.flatMap((c) => Object.keys(c)))].filter((k) => k !== "pose" && k !== "ray");
   const value = (c: Chosen, key: string): string => {
-    const found = c[key];
+    const found = key === "scan" && typeof c.scan === "number" ? c.scan + 1 : c[key];
     return typeof found === "number" || typeof found === "string" || found === null
       ? number(found)
       : found === undefined

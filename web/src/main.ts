@@ -67,8 +67,8 @@ function start(session: Session): void {
   const keep = () => save(model, scene);
   byId("save", HTMLButtonElement).addEventListener("click", keep);
   for (const [id, run] of [
-    ["zoom-in", () => model.viewport.zoom(1.5)],
-    ["zoom-out", () => model.viewport.zoom(1 / 1.5)],
+    ["zoom-in", () => scene.zoom(1.5)],
+    ["zoom-out", () => scene.zoom(1 / 1.5)],
     ["fit", () => model.viewport.fit()],
   ] as const)
     byId(id, HTMLButtonElement).addEventListener("click", run);
@@ -93,8 +93,8 @@ function start(session: Session): void {
           if (view) model.choose({ view });
         },
       })),
-      { keys: ["+", "="], shown: "+", does: "nearer", run: () => model.viewport.zoom(1.5) },
-      { keys: ["-", "_"], shown: "−", does: "farther", run: () => model.viewport.zoom(1 / 1.5) },
+      { keys: ["+", "="], shown: "+", does: "nearer", run: () => scene.zoom(1.5) },
+      { keys: ["-", "_"], shown: "−", does: "farther", run: () => scene.zoom(1 / 1.5) },
       { keys: ["0"], shown: "0", does: "all of the grid", run: () => model.viewport.fit() },
       { keys: ["s"], shown: "S", does: "save the panel as a PNG", run: keep },
       { keys: ["?"], shown: "?", does: "this list", run: () => byId("help", HTMLButtonElement).click() },
@@ -129,6 +129,7 @@ function startLog(model: Model, compute: Compute, idle: (() => boolean)[]): Shor
   const transport = new Transport(model, stepper, player);
   refresh = () => transport.refresh();
   stepper.before = (state) => compute.follow(state);
+  compute.nudge = () => void stepper.go({ by: "reading", count: 0 });
   const reading = new ReadingPanel(model);
   evidence.shown = () => reading.open;
   byId("reading-details", HTMLDetailsElement).addEventListener("toggle", () => void evidence.refresh());

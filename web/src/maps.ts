@@ -14,7 +14,7 @@ function tree(value: { [key: string]: Json }): Node[] {
     if (inner === null || typeof inner !== "object") {
       plain.push([name, typeof inner === "number" ? number(inner) : String(inner ?? "–")]);
     } else if (Array.isArray(inner)) {
-      plain.push([name, JSON.stringify(inner)]);
+      plain.push([name, inner.map((v) => (typeof v === "object" ? JSON.stringify(v) : String(v))).join(", ")]);
     } else {
       deep.push(make("details", {}, make("summary", {}, name), ...tree(inner)));
     }

@@ -5,7 +5,7 @@ import { api } from "./api";
 import { byId, later, make } from "./dom";
 import type { Model } from "./model";
 import type { Key, LaneAsk, Session } from "./protocol";
-import { choices, fromSlider, range, toSlider, words } from "./values";
+import { brief, choices, fromSlider, range, toSlider, words } from "./values";
 
 export class Parameters {
   private readonly form = byId("lanes", HTMLFormElement);
@@ -111,7 +111,7 @@ export class Parameters {
           this.asked[lane] = { method: select.value, set: this.kept(lane, sensor_keys ?? []) };
           void this.send();
         });
-        const reset = make("button", { type: "button" }, "All defaults");
+        const reset = make("button", { type: "button", title: "sets every parameter back" }, "Defaults");
         reset.addEventListener("click", () => {
           this.asked[lane] = { method: select.value, set: {} };
           void this.send();
@@ -206,7 +206,7 @@ export class Parameters {
         field?.removeAttribute("aria-invalid");
         if (field instanceof HTMLSelectElement) field.value = set;
         if (!(field instanceof HTMLInputElement)) continue;
-        field.placeholder = source.parameters?.[key.name] ?? key.default;
+        field.placeholder = brief(key, source.parameters?.[key.name] ?? key.default);
         // What is being typed is the user's.
         if (document.activeElement !== field) field.value = set;
         const slider = field.nextElementSibling;

@@ -277,7 +277,7 @@ export interface GpuChunk {
 export interface GpuBatch {
   from: number;
   to: number;
-  frame: string;
+  frame: Span;
   readings: number;
   parts_bytes: number;
   shaders: Record<string, GpuShader>;

@@ -77,7 +77,7 @@ export class ReadingPanel {
     const entries: [string, string][] = [
       ["number", count(current.number)],
       ["line of the log", count(current.line)],
-      ["scan", count(current.scan)],
+      ["scan", count(current.scan + 1)],
       ["time", current.t === null ? "–" : `${number(current.t)} s`],
     ];
     if (current.kind === "reading") {

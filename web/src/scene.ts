@@ -8,6 +8,7 @@ import { drawPick } from "./draw/pick";
 import { drawChosen, drawCurrent } from "./draw/reading";
 import { drawTiles } from "./draw/tiles";
 import { type Model, WORKING } from "./model";
+import type { Place } from "./protocol";
 import type { SourceId } from "./tiles";
 
 export interface Panel {
@@ -31,7 +32,7 @@ export class Scene {
     this.rebuild();
     model.on(["session", "look"], () => this.rebuild());
     model.on(["session", "state", "look", "pick", "cell", "working", "view", "compute"], () => this.request());
-    model.on(["state"], () => this.follow());
+    model.on(["state", "look"], () => this.follow());
   }
 
   /** Whether something is still to be drawn. */
@@ -117,9 +118,22 @@ export class Scene {
     this.request();
   }
 
+  /** Zooms about the middle, or about the robot where it is followed. */
+  zoom(factor: number): void {
+    const { viewport } = this.model;
+    const robot = this.followed;
+    if (robot) viewport.zoom(factor, ...viewport.toScreen(robot));
+    else viewport.zoom(factor);
+    this.follow();
+  }
+
+  private get followed(): Place | null {
+    const robot = this.model.look.follow ? this.model.lane(0)?.current?.robot : null;
+    return robot ? this.model.viewport.fromWorld(robot[0], robot[1]) : null;
+  }
+
   private follow(): void {
-    const robot = this.model.lane(0)?.current?.robot;
-    if (robot && this.model.look.follow) this.model.viewport.show(this.model.viewport.fromWorld(robot[0], robot[1]));
+    if (this.followed) this.model.viewport.show(this.followed);
   }
 
   /** Draws all of it now. */

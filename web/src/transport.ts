@@ -39,8 +39,11 @@ export function position(model: Model): string {
   const { state } = model;
   if (!state) return "";
   const current = state.lanes[0]?.current;
+  const scans = `scan ${count(state.scan)} of ${count(state.scans)}`;
+  // Of a counting sensor model a step is a scan.
+  if (model.source(0)?.method?.startsWith("csm-")) return scans;
   const t = current && current.t !== null ? ` · t = ${current.t.toFixed(2)} s` : "";
-  return `reading ${count(state.position)} of ${count(state.total)} · scan ${count(state.scan)} of ${count(state.scans)}${t}`;
+  return `reading ${count(state.position)} of ${count(state.total)} · ${scans}${t}`;
 }
 
 export class Transport {

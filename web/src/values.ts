@@ -63,3 +63,11 @@ export function fromSlider(r: Range, place: number): string {
   const value = r.factors ? r.low * (r.high / r.low) ** part : r.low + (r.high - r.low) * part;
   return `${Number(value.toPrecision(3))}${r.unit}`;
 }
+
+/** A value as it fits into a field: four digits, angles in degrees. */
+export function brief(key: Key, text: string): string {
+  const value = plain(text);
+  if (value === null) return text;
+  if (!/deg/.test(key.values)) return String(Number(value.toPrecision(4)));
+  return `${Number(((value * 180) / Math.PI).toPrecision(4))}deg`;
+}

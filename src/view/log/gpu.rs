@@ -237,15 +237,3 @@ fn compare(lane: &Lane, tiles: &Tiles) -> Value {
         "largest": super::number(largest),
     })
 }
-
-/// Forgets what the page computed; the tiles that it had reached.
-pub fn reset(lane: &mut Lane) -> Tiles {
-    let size = method::tile_words(lane.stepper.method());
-    let mut reached = Tiles::new();
-    for (chunk, state) in lane.page.take().unwrap_or_default() {
-        for (slot, _) in (0u32..).zip(state.chunks_exact(size)).filter(|(_, t)| t.iter().any(|w| *w != 0)) {
-            reached.insert(tile_at(chunk, slot));
-        }
-    }
-    reached
-}

@@ -135,10 +135,15 @@ impl View for LogView {
                 let mut lanes = self.write();
                 let k = ask.number("lane")?;
                 lanes.find(k)?;
-                let (told, tiles) = match ask.path {
-                    "api/gpu/words" => gpu::words(&mut lanes.all[k], ask)?,
-                    _ => (json!({}), gpu::reset(&mut lanes.all[k])),
-                };
+                if ask.path == "api/gpu/reset" {
+                    lanes.all[k].page = None;
+                    shown::forget_page(&self.pyramid, k);
+                    return json(json!({}));
+                }
+                let (first, (told, tiles)) = (lanes.all[k].page.is_none(), gpu::words(&mut lanes.all[k], ask)?);
+                if first {
+                    shown::forget_page(&self.pyramid, k);
+                }
                 shown::forget(&self.pyramid, k, &lanes.all, &tiles);
                 json(told)
             }

@@ -112,14 +112,18 @@ pub fn forget(pyramid: &Pyramid, lane: usize, lanes: &[Lane], tiles: &Tiles) {
     let views = views(lanes[lane].stepper.method()).len() as u32;
     for view in 0..views {
         pyramid.invalidate([lane as u32, view], &blocks);
-        if lanes[lane].page.is_some() {
-            pyramid.invalidate([PAGE + lane as u32, view], &blocks);
-        }
+        pyramid.invalidate([PAGE + lane as u32, view], &blocks);
     }
     if lanes.len() > 1 {
         pyramid.invalidate([OF_BOTH, 0], &blocks);
         pyramid.invalidate([OF_BOTH, 1], &blocks);
     }
+}
+
+/// What a page computed of a lane is out of date: its tiles, and those of the CPU that stood in for them.
+pub fn forget_page(pyramid: &Pyramid, lane: usize) {
+    (0..64).for_each(|view| pyramid.clear([PAGE + lane as u32, view]));
+    pyramid.clear([OF_BOTH, 1]);
 }
 
 /// All is out of date.

@@ -96,7 +96,7 @@ export function drawAxes(brush: Brush): void {
     context.fillRect(0, y - 0.5, 5, 1);
     label(brush, text(value, step), 8, y, "left", "middle");
   });
-  const bar = round(100 / metre);
+  const bar = round(Math.min(100, width / 5) / metre);
   const long = bar * metre;
   const [x, y] = [width - 14 - long, height - 12];
   context.fillStyle = ink.halo;
