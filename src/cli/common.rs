@@ -312,6 +312,11 @@ pub fn readings(c: &Counts, session: &Session) -> String {
 
 /// Warns of bad lines, once, with the first few.
 pub fn warn_of_bad_lines(session: &Session) {
+    note_bad_lines(session, "mend them, or give --strict to write nothing then; the exit code is 6");
+}
+
+/// The same, with what to do about them.
+pub fn note_bad_lines(session: &Session, remedy: &str) {
     let bad = &session.survey.bad_lines;
     let path = session.log.path().display();
     let what = match bad.count {
@@ -321,7 +326,7 @@ pub fn warn_of_bad_lines(session: &Session) {
         n => format!("{n} bad lines were left out"),
     };
     let quoted: String = bad.first.iter().map(|line| format!("  {line}\n")).collect();
-    note!("{path}: {what}:\n{quoted}  (mend them, or give --strict to write nothing then; the exit code is 6)");
+    note!("{path}: {what}:\n{quoted}  ({remedy})");
 }
 
 /// Warns of a pose that jumps, where the grid follows it.

@@ -1,6 +1,6 @@
 //! `echogrid view`.
 
-use super::common::LogArguments;
+use super::common::{LogArguments, note_bad_lines};
 use super::{note, say};
 use crate::output::seems_map;
 use crate::view::log::{self, LogView, Wanted};
@@ -110,7 +110,9 @@ impl Command {
             threads: arguments.threads,
             memory: self.memory,
         };
-        Ok(Arc::new(LogView::open(options, &lanes)?))
+        let view = LogView::open(options, &lanes)?;
+        view.about(|session| note_bad_lines(session, "mend them; --strict refuses such a log"));
+        Ok(Arc::new(view))
     }
 
     fn announce(&self, server: &Server) {

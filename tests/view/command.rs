@@ -40,6 +40,44 @@ fn it_says_where_it_listens_and_ends_with_ctrl_c() {
     assert!(err.contains(&format!("ssh -L {0}:127.0.0.1:{0} HOST", at.port())), "{err}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_log_with_a_bad_line_is_opened_and_the_line_named() {
+    let place = Place::new();
+    place.write("bad.jsonl", crate::common::SMALL.replacen("\"z\":1.5", "\"z\":tru", 1));
+    let (mut child, line) = start(&place, &["view", "bad.jsonl", "-m", "certainty", "--beside", "bayes"]);
+    let (at, token) = parts(&line);
+    let mut stream = std::net::TcpStream::connect(at).unwrap();
+    write!(stream, "GET /{token}/api/session HTTP/1.1\r\nHost: {at}\r\n\r\n").unwrap();
+    let session = crate::web::reply(&mut stream).unwrap().json();
+    assert_eq!((&session["mode"], &session["name"]), (&"log".into(), &"bad.jsonl".into()));
+    let names: Vec<_> = session["sources"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["certainty", "bayes"]);
+    let process = rustix::process::Pid::from_raw(child.id() as i32).unwrap();
+    rustix::process::kill_process(process, rustix::process::Signal::INT).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    let mut err = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
+    assert!(err.contains("1 bad line was left out") && err.contains("--strict refuses such a log"), "{err}");
+    let strict = place.run(&["view", "bad.jsonl", "--strict"]);
+    assert_eq!(strict.code, 3, "{strict:?}");
+}
+
+#[test]
+fn a_log_that_cant_be_looked_at() {
+    let place = Place::new();
+    let wanted = "write standard input to a file, and give that";
+    assert!(place.run(&["view", "-"]).err.contains(wanted));
+    let ran = place.run(&["view", "log.jsonl", "-m", "baies"]);
+    assert!(ran.code == 2 && ran.err.contains("did you mean \"bayes\""), "{ran:?}");
+    let ran = place.run(&["view", "log.jsonl", "--beside", "certanty"]);
+    assert!(ran.code == 2 && ran.err.contains("did you mean \"certainty\""), "{ran:?}");
+    let ran = place.run(&["view", "log.jsonl", "--memory", "1MiB"]);
+    assert!(ran.code == 5 && ran.err.contains("--memory"), "{ran:?}");
+    let ran = place.run(&["view", "nothing.jsonl"]);
+    assert!(ran.code == 3 && ran.err.contains("nothing.jsonl"), "{ran:?}");
+}
+
 #[test]
 fn a_port_that_is_taken() {
     let place = Place::new();

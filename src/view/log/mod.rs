@@ -66,6 +66,11 @@ impl LogView {
         Ok(LogView { options, lanes: RwLock::new(Lanes { all, version: 1 }), pyramid: Pyramid::new(TILES) })
     }
 
+    /// What is said of the first lane's session, its bad lines say.
+    pub fn about<T>(&self, of: impl FnOnce(&Session) -> T) -> T {
+        of(self.read().all[0].stepper.session())
+    }
+
     /// Goes where the page asks, and says what changed.
     fn go(&self, ask: &Ask) -> Result<Value> {
         let Go { by, count, to, budget_ms } = ask.json()?;
