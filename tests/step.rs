@@ -2,6 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking; here are the tests' helpers too")]
 
+#[path = "cli/common.rs"]
+#[allow(dead_code, reason = "the command's tests use all of it")]
+mod common;
+
+use common::data;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::mapper::Finished;
 use echogrid::method::settings::Settings;
@@ -9,7 +14,6 @@ use echogrid::oracle::{self, Region};
 use echogrid::session::{Request, Session};
 use echogrid::step::{By, Cell, Stepper, explain};
 use echogrid::world::{Rig, World, simulate};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// A log of so many scans of a small campus.
@@ -275,20 +279,6 @@ fn what_does_not_fit_into_memory_is_refused_at_once() {
     let refused = Stepper::open(session(&log, set("bayes", &[]), None, 0.1), 0, Some(1 << 20), 1 << 28);
     let error = refused.err().unwrap().to_string();
     assert!(error.contains("1 MiB"), "{error}");
-}
-
-/// The path of a real log; `None`, loudly, where it is absent.
-fn data(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("ECHOGRID_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
-    let path = folder.join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    // Straight to the stream: the harness would swallow a print of a test that passes.
-    let text = format!("SKIPPED: no {} (set ECHOGRID_DATA to the folder of real logs)\n", path.display());
-    let _ = std::io::stderr().write_all(text.as_bytes());
-    None
 }
 
 #[test]
