@@ -110,7 +110,12 @@ impl Command {
             threads: arguments.threads,
             memory: self.memory,
         };
-        let view = LogView::open(options, &lanes)?;
+        let view = LogView::open(options, &lanes).map_err(|error| match error {
+            Error::Input { .. } if arguments.log.is_dir() => {
+                error.and("a saved map is a folder with report.json and map.zarr")
+            }
+            error => error,
+        })?;
         view.about(|session| note_bad_lines(session, "mend them; --strict refuses such a log"));
         Ok(Arc::new(view))
     }

@@ -28,16 +28,13 @@ impl Stepper {
                 let to = (self.position as i64).saturating_add(count);
                 to.clamp(0, total as i64) as usize
             }
+            By::Scans(0) => self.position,
             By::Scans(count) => {
-                let mut at = self.position;
-                for _ in 0..count.unsigned_abs() {
-                    match count > 0 {
-                        true if at < total => at = self.items.scan_end(at),
-                        false if at > 0 => at = self.items.scan_start(at - 1),
-                        _ => break,
-                    }
-                }
-                at
+                // On from the scan that the next item belongs to; back from that of the last.
+                let here = if count > 0 { self.position + 1 } else { self.position };
+                let scan = (self.scans(here) as i64).saturating_add(count);
+                let start = |scan: i64| self.starts.get(scan as usize).copied().unwrap_or(total);
+                if count > 0 { start(scan - 1) } else { start(scan.max(0)) }
             }
         }
     }

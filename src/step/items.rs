@@ -95,16 +95,9 @@ impl Items {
         }
     }
 
-    /// One after the last item of the scan that item `k` belongs to.
-    pub fn scan_end(&self, k: usize) -> usize {
-        let scan = self.place(k).map(|p| p.0);
-        let rest = (k..self.len()).take_while(|k| self.place(*k).map(|p| p.0) == scan).count();
-        k + rest
-    }
-
-    /// The first item of the scan that item `k` belongs to.
-    pub fn scan_start(&self, k: usize) -> usize {
-        let scan = self.place(k).map(|p| p.0);
-        k + 1 - (0..=k).rev().take_while(|k| self.place(*k).map(|p| p.0) == scan).count()
+    /// Where the log's scans begin, those without an item left out: the first item of each run of items of one scan.
+    pub(super) fn starts(&self) -> Vec<usize> {
+        let scan = |k: usize| self.place(k).map(|p| p.0);
+        (0..self.len()).filter(|k| *k == 0 || scan(*k) != scan(*k - 1)).collect()
     }
 }

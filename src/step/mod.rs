@@ -41,6 +41,8 @@ use snapshots::Snapshots;
 pub struct Stepper {
     session: Session,
     items: Items,
+    /// Where scans begin.
+    starts: Vec<usize>,
     cpu: Cpu,
     /// What each item's steps found for it so far ([`crate::kernels::Shares`]), from the first on.
     shares: Vec<[u32; 4]>,
@@ -60,8 +62,8 @@ impl Stepper {
         session.check_memory(state + Items::memory(&session) + snapshots, cap)?;
         let items = Items::read(&session)?;
         let snapshots = Snapshots::new(items.len(), snapshots);
-        let cpu = Cpu::new(threads)?;
-        Ok(Stepper { session, items, cpu, shares: Vec::new(), snapshots, position: 0, touched: Vec::new() })
+        let (starts, cpu) = (items.starts(), Cpu::new(threads)?);
+        Ok(Stepper { session, items, starts, cpu, shares: Vec::new(), snapshots, position: 0, touched: Vec::new() })
     }
 
     /// The log and the method.
@@ -87,6 +89,11 @@ impl Stepper {
     /// What it steps over, in log order.
     pub fn items(&self) -> &Items {
         &self.items
+    }
+
+    /// How many scans have begun before a position; those of which no reading is used don't count.
+    pub fn scans(&self, position: usize) -> usize {
+        self.starts.partition_point(|start| *start < position)
     }
 
     /// How many items were applied.

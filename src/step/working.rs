@@ -30,7 +30,7 @@ pub struct CellStory {
 }
 
 /// An item, cell by cell.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Explained {
     /// Its cells, row by row in each tile.
     pub cells: Vec<CellStory>,

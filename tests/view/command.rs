@@ -74,6 +74,9 @@ fn a_log_that_cant_be_looked_at() {
     assert!(ran.code == 2 && ran.err.contains("did you mean \"certainty\""), "{ran:?}");
     let ran = place.run(&["view", "log.jsonl", "--memory", "1MiB"]);
     assert!(ran.code == 5 && ran.err.contains("--memory"), "{ran:?}");
+    place.map("m", &[]);
+    let ran = place.run(&["view", "m/map.zarr"]);
+    assert!(ran.code == 3 && ran.err.contains("a saved map is a folder with report.json and map.zarr"), "{ran:?}");
     let ran = place.run(&["view", "nothing.jsonl"]);
     assert!(ran.code == 3 && ran.err.contains("nothing.jsonl"), "{ran:?}");
 }

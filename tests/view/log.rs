@@ -251,6 +251,55 @@ fn parameters_change_at_the_same_place_or_not_at_all() {
 }
 
 #[test]
+fn a_page_learns_what_another_did() {
+    let place = Place::new();
+    let view = open(&corridor(&place), &[wanted("bayes", &[])]);
+    let first = go(&view, json!({"to": 10}));
+    let version = first["version"].as_u64().unwrap();
+    // nothing changes, nothing is new
+    let same = go(&view, json!({"by": "reading", "count": 0, "since": version}));
+    assert_eq!((&same["version"], &same["lanes"][0]["changed"]), (&json!(version), &json!([])));
+    // another page goes elsewhere
+    go(&view, json!({"to": 300}));
+    let missed = go(&view, json!({"by": "reading", "count": -1, "since": version}));
+    assert_eq!((&missed["position"], &missed["lanes"][0]["changed"]), (&json!(299), &json!("all")));
+    assert_eq!(missed["version"], version + 2);
+    for (path, query) in
+        [("api/working", "lane=0"), ("api/cell", "column=0&row=0"), ("api/history", "lane=0&column=0&row=0")]
+    {
+        let told = json(&view, path, query);
+        assert_eq!((&told["version"], &told["generation"]), (&json!(version + 2), &missed["generation"]), "{path}");
+    }
+    let other = told(post(&view, "api/lanes", "", b"{\"lanes\": [{\"method\": \"himm\"}]}"));
+    assert_eq!(other["generation"], missed["generation"].as_u64().unwrap() + 1);
+    assert_eq!(other["state"]["generation"], other["generation"]);
+}
+
+#[test]
+fn scans_are_counted_whatever_the_log_calls_them() {
+    let place = Place::new();
+    let mut log = String::from(crate::common::HEADER);
+    for (k, scan) in [900, 900, 7, 7, 900, 3].into_iter().enumerate() {
+        log += &format!("{{\"scan\":{scan},\"px\":0.{k},\"py\":0,\"ph\":0,\"z\":1}}\n");
+    }
+    place.write("odd.jsonl", log);
+    let view = open(&place.path("odd.jsonl"), &[wanted("bayes", &[])]);
+    let seen = |body: Value| {
+        let state = go(&view, body);
+        [&state["position"], &state["scan"], &state["scans"]].map(|v| v.as_u64().unwrap())
+    };
+    assert_eq!(seen(json!({"by": "scan"})), [2, 1, 4]);
+    assert_eq!(seen(json!({"by": "reading"})), [3, 2, 4]);
+    assert_eq!(seen(json!({"by": "scan"})), [4, 2, 4]);
+    assert_eq!(seen(json!({"by": "scan", "count": 10})), [6, 4, 4]);
+    assert_eq!(seen(json!({"by": "scan", "count": -1})), [5, 3, 4]);
+    assert_eq!(seen(json!({"by": "reading", "count": -2})), [3, 2, 4]);
+    assert_eq!(seen(json!({"by": "scan", "count": -1})), [2, 1, 4]);
+    assert_eq!(seen(json!({"by": "scan", "count": i64::MIN})), [0, 0, 4]);
+    assert_eq!(seen(json!({"by": "scan", "count": i64::MAX})), [6, 4, 4]);
+}
+
+#[test]
 fn what_is_wrong_is_refused() {
     let place = Place::new();
     let view = open(&corridor(&place), &[wanted("bayes", &[])]);
@@ -316,6 +365,13 @@ fn a_pages_own_words_are_held_against_the_cpus() {
         };
         let check = told(send(50, &body));
         assert_eq!(check["tiles"], tiles.len());
+        // A page that leaves out a tile is found out, once it says that this was the last.
+        assert_eq!(told(post(&view, "api/gpu/reset", "lane=0", &[])), json!({}));
+        let none = 0u32.to_le_bytes();
+        let missing = |query: &str| told(post(&view, "api/gpu/words", query, &none))["membership_differences"].clone();
+        assert_eq!(missing("lane=0&to=50&more=1"), 0);
+        assert_eq!(missing("lane=0&to=50"), check["membership_differences"], "{name}");
+        told(send(50, &body));
         assert!(check["membership_differences"].as_u64().unwrap() > 100, "{name}: {check}");
         let shown = "source=0&view=combined&level=0&column=0&row=0";
         assert_eq!(ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(), Answer::Nothing);
@@ -338,7 +394,7 @@ fn a_pages_own_words_are_held_against_the_cpus() {
         refused(send(49, &body), "the log stands at 50");
         refused(send(50, &body[..body.len() - 1]), "words were sent");
         refused(send(50, &[u32::MAX]), "words were sent");
-        refused(send(50, &[[1, 70000, 0, 0].as_slice(), &vec![0; words]].concat()), "there is no tile");
+        refused(send(50, &[[1, 70000, 0, 0].as_slice(), &vec![0; words]].concat()), "no reading reached tile");
         assert_eq!(told(post(&view, "api/gpu/reset", "lane=0", &[])), json!({}));
         assert!(matches!(ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(), Answer::Bytes(..)));
         refused(ask(&view, "api/gpu/batch", "lane=0&from=0&to=100000"), "items 0 to 100000");

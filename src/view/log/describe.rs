@@ -7,7 +7,6 @@ use super::{Lanes, Options};
 use crate::method::REGISTRY;
 use crate::method::settings::{Key, Settings};
 use crate::sensor::{Kind, OVERRIDE_KEYS};
-use crate::step::Tiles;
 use crate::view::legend::legend;
 use crate::view::tile::levels;
 use serde_json::{Map, Value, json};
@@ -34,7 +33,6 @@ pub fn session(options: &Options, lanes: &Lanes) -> Value {
         })
     });
     let name = options.path.file_name().unwrap_or(options.path.as_os_str());
-    let everything = vec![Tiles::new(); lanes.all.len()];
     json!({
         "mode": "log",
         "name": name.to_string_lossy(),
@@ -48,7 +46,9 @@ pub fn session(options: &Options, lanes: &Lanes) -> Value {
         "sensor_keys": OVERRIDE_KEYS.iter().map(key).collect::<Vec<_>>(),
         "sensors": sensors.collect::<Vec<_>>(),
         "difference": if lanes.all.len() > 1 { view(&DIFFERENCE, &[]) } else { Value::Null },
-        "state": state(lanes, &everything, first.position()),
+        "generation": lanes.generation,
+        "report": {"readings": first.session().survey.counts, "bad_lines": first.session().survey.bad_lines},
+        "state": state(lanes, first.position(), false),
     })
 }
 
@@ -75,26 +75,27 @@ fn view(view: &View, classes: &[String]) -> Value {
     json!({"name": view.name, "about": view.about, "group": group, "legend": legend(view.scale, classes)})
 }
 
-/// Where the lanes are, and which of their tiles changed on the way to a position of the first.
-pub fn state(lanes: &Lanes, changed: &[Tiles], to: usize) -> Value {
+/// Where the lanes are, and which of their tiles changed on the way to a position of the first; all may have where a page `missed`
+/// something.
+pub fn state(lanes: &Lanes, to: usize, missed: bool) -> Value {
     let first = &lanes.all[0].stepper;
-    let scan = |position: usize| position.checked_sub(1).and_then(|k| first.items().place(k)).map_or(0, |p| p.0 + 1);
-    let lane = |(lane, tiles): (&Lane, &Tiles)| {
+    let lane = |lane: &Lane| {
         json!({
             "position": lane.stepper.position(),
             "total": lane.stepper.items().len(),
-            "changed": blocks(tiles),
+            "changed": if missed { json!("all") } else { json!(blocks(&lane.changed)) },
             "current": current(lane),
         })
     };
     json!({
         "version": lanes.version,
+        "generation": lanes.generation,
         "position": first.position(),
         "total": first.items().len(),
-        "scan": scan(first.position()),
-        "scans": scan(first.items().len()),
+        "scan": first.scans(first.position()),
+        "scans": first.scans(first.items().len()),
         "done": first.position() == to,
         "target": to,
-        "lanes": lanes.all.iter().zip(changed).map(lane).collect::<Vec<_>>(),
+        "lanes": lanes.all.iter().map(lane).collect::<Vec<_>>(),
     })
 }

@@ -7,7 +7,6 @@ use crate::layout::{CHUNK, Frame, TILE, TILE_CELLS};
 use crate::method::{self, Pass, Step, Unit};
 use crate::step::{Cell, Packed, Tiles, cell_of, steps, tile_at, tile_of};
 use crate::view::{Answer, Ask};
-use crate::whole::EDGE;
 use crate::{Error, Result};
 use bytemuck::bytes_of;
 use serde_json::{Map, Value, json};
@@ -191,11 +190,11 @@ pub fn words(lane: &mut Lane, ask: &Ask) -> Result<(Value, Tiles)> {
         return Err(Error::Usage(what));
     }
     let (tiles, words) = rest.split_at(3 * count);
-    let grid = lane.stepper.grid();
-    let chunks = [grid.height, grid.width].map(|cells| cells.div_ceil(EDGE) as u32);
-    let within = |t: &&[u32]| t[1] < chunks[0] && t[0] < chunks[1] && (t[2] as usize) < CHUNK * CHUNK;
+    let own = lane.stepper.chunks();
+    // No memory is taken for chunks that no reading reached.
+    let within = |t: &&[u32]| own.contains_key(&[t[1], t[0]]) && (t[2] as usize) < CHUNK * CHUNK;
     if let Some(tile) = tiles.chunks_exact(3).find(|t| !within(t)) {
-        return Err(Error::Usage(format!("there is no tile {tile:?}")));
+        return Err(Error::Usage(format!("no reading reached tile {tile:?}")));
     }
     let page = lane.page.get_or_insert_with(Chunks::new);
     let mut reached = Tiles::new();
@@ -205,7 +204,13 @@ pub fn words(lane: &mut Lane, ask: &Ask) -> Result<(Value, Tiles)> {
         state[slot as usize * size..][..size].copy_from_slice(sent);
         reached.insert(tile_at(chunk, slot));
     }
-    Ok((compare(lane, &reached), reached))
+    lane.unsent.retain(|tile| !reached.contains(tile));
+    let mut compared = reached.clone();
+    if !ask.query.contains_key("more") {
+        // What the page left out is wrong there, unless it is as it was.
+        compared.extend(std::mem::take(&mut lane.unsent));
+    }
+    Ok((compare(lane, &compared), reached))
 }
 
 /// The page's tiles against the CPU's.

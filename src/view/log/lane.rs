@@ -2,7 +2,7 @@
 
 use crate::kernels::Chunks;
 use crate::method::{self, Unit};
-use crate::step::{Items, Stepper};
+use crate::step::{Items, Stepper, Tiles, tile_at};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -25,6 +25,10 @@ pub struct Lane {
     pub wanted: Wanted,
     /// The cells that a page computed on its own GPU.
     pub page: Option<Chunks>,
+    /// Tiles that changed since the page was last told.
+    pub changed: Tiles,
+    /// Tiles that changed since the page last sent its own cells; all that there are where it never did.
+    pub unsent: Tiles,
 }
 
 /// The place in a log of what comes next: scan and line; `None`: nothing does.
@@ -33,7 +37,23 @@ pub type Next = Option<(u64, u64)>;
 impl Lane {
     /// At the start.
     pub fn new(stepper: Stepper, wanted: Wanted) -> Lane {
-        Lane { stepper, wanted, page: None }
+        Lane { stepper, wanted, page: None, changed: Tiles::new(), unsent: Tiles::new() }
+    }
+
+    /// Notes what changed.
+    pub fn note(&mut self, tiles: Tiles) {
+        self.unsent.extend(&tiles);
+        self.changed = tiles;
+    }
+
+    /// Forgets what a page computed.
+    pub fn reset(&mut self) {
+        self.page = None;
+        let words = method::tile_words(self.stepper.method());
+        for (place, state) in self.stepper.chunks() {
+            let tiles = (0u32..).zip(state.chunks_exact(words)).filter(|(_, tile)| tile.iter().any(|w| *w != 0));
+            self.unsent.extend(tiles.map(|(slot, _)| tile_at(*place, slot)));
+        }
     }
 
     /// The method's name.

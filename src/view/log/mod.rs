@@ -43,10 +43,12 @@ pub struct LogView {
     pyramid: Pyramid,
 }
 
-/// The lanes, and how often they changed.
+/// The lanes, how often their place in the log changed, and how often they were made anew: a page tells by these whether what it
+/// shows is still there, for another may be open.
 struct Lanes {
     all: Vec<Lane>,
     version: u64,
+    generation: u64,
 }
 
 /// Bytes of tiles that are kept, and of each lane's snapshots.
@@ -63,17 +65,21 @@ impl LogView {
     /// The log's and the parameters'; [`Error::Resources`] where memory doesn't suffice.
     pub fn open(options: Options, lanes: &[Wanted]) -> Result<LogView> {
         let all = make(&options, lanes)?;
-        Ok(LogView { options, lanes: RwLock::new(Lanes { all, version: 1 }), pyramid: Pyramid::new(TILES) })
+        Ok(LogView {
+            options,
+            lanes: RwLock::new(Lanes { all, version: 1, generation: 1 }),
+            pyramid: Pyramid::new(TILES),
+        })
     }
 
-    /// What is said of the first lane's session, its bad lines say.
+    /// What `of` makes of the first lane's session, such as a warning of its bad lines.
     pub fn about<T>(&self, of: impl FnOnce(&Session) -> T) -> T {
         of(self.read().all[0].stepper.session())
     }
 
     /// Goes where the page asks, and says what changed.
     fn go(&self, ask: &Ask) -> Result<Value> {
-        let Go { by, count, to, budget_ms } = ask.json()?;
+        let Go { by, count, to, budget_ms, since } = ask.json()?;
         let by = match (by.as_deref(), to) {
             (Some("reading"), None) => By::Items(count),
             (Some("scan"), None) => By::Scans(count),
@@ -83,25 +89,31 @@ impl LogView {
         let until = budget_ms.map(|ms| Instant::now() + Duration::from_millis(ms.min(60_000)));
         let mut more = || until.is_none_or(|until| Instant::now() < until);
         let mut lanes = self.write();
+        let missed = since.is_some_and(|version| version != lanes.version);
         let to = lanes.all[0].stepper.target(by);
+        let places = |lanes: &Lanes| lanes.all.iter().map(|l| l.stepper.position()).collect::<Vec<_>>();
+        let before = places(&lanes);
         let changed = lanes.go(to, &mut more)?;
-        lanes.version += 1;
-        for (k, tiles) in changed.iter().enumerate() {
-            shown::forget(&self.pyramid, k, &lanes.all, tiles);
+        lanes.version += u64::from(places(&lanes) != before);
+        for (k, tiles) in changed.into_iter().enumerate() {
+            shown::forget(&self.pyramid, k, &lanes.all, &tiles);
+            lanes.all[k].note(tiles);
         }
-        Ok(describe::state(&lanes, &changed, to))
+        let told = describe::state(&lanes, to, missed);
+        lanes.all.iter_mut().for_each(|lane| lane.changed.clear());
+        Ok(told)
     }
 
     /// Other methods or parameters, at the same place of the log.
     fn remake(&self, ask: &Ask) -> Result<Value> {
         let Remake { lanes: wanted } = ask.json()?;
-        let mut made = Lanes { all: make(&self.options, &wanted)?, version: 0 };
+        let mut made = Lanes { all: make(&self.options, &wanted)?, version: 0, generation: 0 };
         // What is there can be looked at meanwhile, so that it may go on, too.
         let place = self.read().all[0].next_place();
         made.follow(place)?;
         let mut lanes = self.write();
         made.follow(lanes.all[0].next_place())?;
-        made.version = lanes.version + 1;
+        (made.version, made.generation) = (lanes.version + 1, lanes.generation + 1);
         *lanes = made;
         shown::forget_all(&self.pyramid);
         Ok(describe::session(&self.options, &lanes))
@@ -119,6 +131,15 @@ impl LogView {
     fn lane<T>(&self, ask: &Ask, of: impl FnOnce(&Lane) -> Result<T>) -> Result<T> {
         of(self.read().find(ask.number("lane")?)?)
     }
+
+    /// The same with the version and the generation that it is of.
+    fn dated(&self, of: impl FnOnce(&Lanes) -> Result<Value>) -> Result<Answer> {
+        let lanes = self.read();
+        let mut told = of(&lanes)?;
+        told["version"] = json!(lanes.version);
+        told["generation"] = json!(lanes.generation);
+        Ok(Answer::Json(told))
+    }
 }
 
 impl View for LogView {
@@ -127,9 +148,9 @@ impl View for LogView {
         match (ask.post, ask.path) {
             (false, "api/session") => json(describe::session(&self.options, &self.read())),
             (false, "api/tile") => shown::tile(&self.pyramid, &self.read().all, ask),
-            (false, "api/cell") => json(told::cell(&self.read().all, ask)?),
-            (false, "api/working") => json(self.lane(ask, told::working)?),
-            (false, "api/history") => json(self.lane(ask, |lane| told::history(lane, ask))?),
+            (false, "api/cell") => self.dated(|lanes| told::cell(&lanes.all, ask)),
+            (false, "api/working") => self.dated(|lanes| told::working(lanes.find(ask.number("lane")?)?)),
+            (false, "api/history") => self.dated(|lanes| told::history(lanes.find(ask.number("lane")?)?, ask)),
             (true, "api/go") => json(self.go(ask)?),
             (true, "api/lanes") => json(self.remake(ask)?),
             (false, "api/gpu/plan") => json(self.lane(ask, |lane| Ok(gpu::plan(lane)))?),
@@ -141,7 +162,7 @@ impl View for LogView {
                 let k = ask.number("lane")?;
                 lanes.find(k)?;
                 if ask.path == "api/gpu/reset" {
-                    lanes.all[k].page = None;
+                    lanes.all[k].reset();
                     shown::forget_page(&self.pyramid, k);
                     return json(json!({}));
                 }
@@ -212,6 +233,7 @@ struct Go {
     count: i64,
     to: Option<usize>,
     budget_ms: Option<u64>,
+    since: Option<u64>,
 }
 
 fn one() -> i64 {

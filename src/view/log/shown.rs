@@ -105,6 +105,8 @@ pub const DIFFERENCE: View = View {
 /// Keys of the pyramid: a lane's views, those of what the page computed, the difference.
 const PAGE: u32 = 8;
 const OF_BOTH: u32 = 16;
+/// Views of a method at most.
+const MOST: u32 = 64;
 
 /// These tiles of 16 × 16 cells of a lane are out of date in all its views.
 pub fn forget(pyramid: &Pyramid, lane: usize, lanes: &[Lane], tiles: &Tiles) {
@@ -122,15 +124,14 @@ pub fn forget(pyramid: &Pyramid, lane: usize, lanes: &[Lane], tiles: &Tiles) {
 
 /// What a page computed of a lane is out of date: its tiles, and those of the CPU that stood in for them.
 pub fn forget_page(pyramid: &Pyramid, lane: usize) {
-    (0..64).for_each(|view| pyramid.clear([PAGE + lane as u32, view]));
+    (0..MOST).for_each(|view| pyramid.clear([PAGE + lane as u32, view]));
     pyramid.clear([OF_BOTH, 1]);
 }
 
 /// All is out of date.
 pub fn forget_all(pyramid: &Pyramid) {
-    // No method has so many views.
     for source in [0, 1, PAGE, PAGE + 1, OF_BOTH] {
-        (0..64).for_each(|view| pyramid.clear([source, view]));
+        (0..MOST).for_each(|view| pyramid.clear([source, view]));
     }
 }
 

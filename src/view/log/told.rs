@@ -4,6 +4,7 @@ use super::current::{beam, outcome};
 use super::lane::Lane;
 use super::{EVENTS, MOST_EVENTS, number, short};
 use crate::grid::Class;
+use crate::method::settings::Settings;
 use crate::output::{own_is, weigher};
 use crate::step::{Cell, CellStory, Event, explain};
 use crate::view::Ask;
@@ -64,41 +65,62 @@ fn chosen(lane: &Lane, column: usize, row: usize) -> Option<Value> {
         let mut told = beam(lane, &known[given.beam.0], given.beam.1)?;
         told["scan"] = json!(given.beam.0);
         told["beam"] = json!(given.beam.1);
-        told["gained"] = json!(given.gained.iter().map(|g| number(*g)).collect::<Vec<_>>());
+        let names = classes(lane, given.gained.len());
+        told["gained"] = given.gained.iter().zip(names).map(|(gain, name)| json!([name, number(*gain)])).collect();
         Some(told)
     };
     Some(json!(given.iter().filter_map(tell).collect::<Vec<_>>()))
+}
+
+/// The names of so many α: labels, then "free".
+fn classes(lane: &Lane, count: usize) -> Vec<String> {
+    let named = lane.stepper.session().classes.as_ref().map_or(&[][..], |c| &c.names);
+    let name = |k: usize| match named.get(k) {
+        Some(name) if k + 1 < count => name.clone(),
+        _ if k + 1 == count => "free".into(),
+        _ if count == 2 => "occupied".into(),
+        _ => format!("class {}", k + 1),
+    };
+    (0..count).map(name).collect()
 }
 
 fn layers(lane: &Lane) -> Vec<&'static str> {
     lane.stepper.method().layers().iter().map(|l| l.name).collect()
 }
 
+/// How many of a reading's arc cells there are, where the method asks.
+fn uses_n(settings: &Settings) -> bool {
+    matches!(settings, Settings::DempsterShafer(_) | Settings::Certainty(_))
+}
+
+/// How strongly an item speaks of a cell, and what that is.
+fn strength(settings: &Settings, story: &CellStory) -> f64 {
+    match story.evidence {
+        Some(evidence) => weigher(settings)(evidence[0]),
+        None => f64::from((story.after.combined - story.before.combined).abs()),
+    }
+}
+
+fn strength_is(settings: &Settings) -> &'static str {
+    match settings {
+        Settings::Bayes(_) | Settings::Features(_) => "|2·own − 1|",
+        Settings::Csm(_) => "how far the combined picture moved",
+        _ => "own",
+    }
+}
+
 /// What the last item said of each cell that it changed.
 pub fn working(lane: &Lane) -> Result<Value> {
-    let stepper = &lane.stepper;
-    let names = layers(lane);
-    let Some(explained) = explain(stepper)? else {
-        return Ok(json!({
-            "position": 0, "interior": 0, "arc": 0, "n": 0, "sum": null, "own_is": "", "layers": names, "steps": ["own"],
-            "truncated": false, "column": [], "row": [], "region": [], "d": [], "theta": [], "own": [], "strength": [],
-            "before": names.iter().map(|_| json!([])).collect::<Vec<_>>(),
-            "after": names.iter().map(|_| json!([])).collect::<Vec<_>>(),
-        }));
-    };
+    let (stepper, settings) = (&lane.stepper, lane.stepper.method().settings());
+    let explained = explain(stepper)?.unwrap_or_default();
+    let steps = matches!(settings, Settings::Certainty(_));
     let arcs = explained.cells.iter().filter(|c| c.arc).count();
     let all = &explained.cells[..explained.cells.len().min(MOST)];
     let each = |of: &dyn Fn(&CellStory) -> Value| Value::Array(all.iter().map(of).collect());
-    let evidence = |k: usize| each(&|c| c.evidence.map_or(Value::Null, |e| number(e[k])));
-    let settings = stepper.method().settings();
-    let weigh = weigher(&settings);
-    // Of a scan's cells how much the combined picture moved.
-    let strength = |c: &CellStory| match c.evidence {
-        Some(e) => weigh(e[0]),
-        None => f64::from((c.after.combined - c.before.combined).abs()),
-    };
-    let most = all.iter().map(strength).filter(|s| s.is_finite()).fold(0.0, f64::max);
-    let shade = |c: &CellStory| number(if most > 0.0 { strength(c) / most } else { 0.0 });
+    let evidence = |c: &CellStory, k: usize| c.evidence.map_or(Value::Null, |e| number(e[k]));
+    let most = all.iter().map(|c| strength(&settings, c)).filter(|s| s.is_finite()).fold(0.0, f64::max);
+    let shade = |c: &CellStory| number(if most > 0.0 { strength(&settings, c) / most } else { 0.0 });
+    let names = layers(lane);
     let values = |of: &dyn Fn(&CellStory) -> &Cell| -> Vec<Value> {
         (0..names.len()).map(|k| each(&|c| short(of(c).values[k]))).collect()
     };
@@ -106,25 +128,29 @@ pub fn working(lane: &Lane) -> Result<Value> {
         "position": stepper.position(),
         "interior": explained.cells.len() - arcs,
         "arc": arcs,
-        "n": explained.n,
+        "n": uses_n(&settings).then_some(explained.n),
         "sum": explained.sum.map(number),
         "own_is": own_is(&settings),
         "layers": names,
-        "steps": if explained.sum.is_some() { &["own", "cancelled", "normalised"][..] } else { &["own"] },
+        "steps": if steps { &["own", "cancelled", "normalised"][..] } else { &["own"] },
         "truncated": all.len() < explained.cells.len(),
         "column": each(&|c| json!(c.column)),
         "row": each(&|c| json!(c.row)),
         "region": each(&|c| json!(u8::from(c.arc))),
         "d": each(&|c| number(c.polar.0)),
         "theta": each(&|c| number(c.polar.1)),
-        "own": evidence(0),
+        "own": each(&|c| evidence(c, 0)),
         "strength": each(&shade),
+        "strongest": number(most),
+        "strength_is": strength_is(&settings),
         "before": values(&|c| &c.before),
         "after": values(&|c| &c.after),
     });
-    if explained.sum.is_some() {
-        told["cancelled"] = evidence(1);
-        told["normalised"] = evidence(2);
+    if steps {
+        // Only what an arc says is cancelled and normalised.
+        for (k, step) in [(1, "cancelled"), (2, "normalised")] {
+            told[step] = each(&|c| if c.arc { evidence(c, k) } else { Value::Null });
+        }
     }
     Ok(told)
 }
