@@ -11,5 +11,5 @@ after(async () => {
 });
 
 const only = process.argv.slice(2);
-const files = ["guard", "steps", "views", "cells", "lanes", "save", "maps", "huge", "gpu", "people", "whole"];
+const files = ["guard", "steps", "views", "cells", "lanes", "tabs", "told", "save", "maps", "huge", "gpu", "people", "whole"];
 for (const file of files.filter((f) => !only.length || only.includes(f))) await import(`./${file}.mjs`);

@@ -88,10 +88,12 @@ test("words that differ are counted, and drawn where they are asked for", async 
   const [{ place, slots }] = told.chunks;
   // A tile of zeros, as if no reading had come there.
   const words = new Uint32Array([1, ...place, slots[0], ...new Array(tile_words).fill(0)]);
-  const found = await server.json("api/gpu/words?lane=0&to=20", new Uint8Array(words.buffer));
+  const found = await server.json("api/gpu/words?lane=0&to=20&more=1", new Uint8Array(words.buffer));
   assert.equal(found.tiles, 1);
   assert.equal(found.cells, 256);
   assert.ok(found.membership_differences > 0, "what is missing is told");
+  const last = await server.json("api/gpu/words?lane=0&to=20", new Uint8Array(new Uint32Array([0]).buffer));
+  assert.ok(last.tiles > 0 && last.membership_differences > 0, "and so is what was never sent");
   const own = await picture(server, "combined", 0, "&backend=webgpu");
   assert.ok(differences(own, await picture(server, "combined")) > 0);
   await assert.rejects(server.json("api/gpu/words?lane=0&to=19", new Uint8Array(words.buffer)), /position 19/);
@@ -106,6 +108,31 @@ test("without a GPU the switch is off, and says why", async () => {
     assert.match(await page.text("#gpu-why"), /no WebGPU adapter/);
     await page.key("g");
     assert.equal(await page.text("#backend"), "server CPU");
+    assert.match(await page.text("#live"), /no WebGPU adapter/, "the key says why, too");
   });
+  server.close();
+});
+
+test("the key is kept until the adapter is known", async (t) => {
+  const server = await serve(LOGS.ring(), "-m", "bayes");
+  await visit(
+    server,
+    async (page) => {
+      if (await page.page.$eval("#gpu", (box) => box.disabled)) return t.skip("this browser has no software GPU");
+      await page.page.evaluateOnNewDocument(() => {
+        const ask = GPU.prototype.requestAdapter;
+        GPU.prototype.requestAdapter = async function (...how) {
+          await new Promise((next) => setTimeout(next, 600));
+          return ask.apply(this, how);
+        };
+      });
+      await page.page.reload();
+      await page.page.waitForFunction(() => window.echogrid !== undefined);
+      assert.equal(await page.page.$eval("#gpu", (box) => box.disabled), true, "not known yet");
+      await page.key("g");
+      assert.match(await page.text("#backend"), /^WebGPU: /);
+    },
+    { gpu: true },
+  );
   server.close();
 });

@@ -1,6 +1,7 @@
 // The server's answers, as promises; every path is relative to the page's own address.
 
-import type { Cell, GoAsk, GpuCheck, GpuPlan, History, LaneAsk, Session, State, Working } from "./protocol";
+import type { Cell, Dated, GoAsk, History, LaneAsk, Session, State, Working } from "./protocol";
+import type { GpuCheck, GpuPlan } from "./protocol-gpu";
 
 /** What went wrong, in the server's words. */
 export class ServerError extends Error {}
@@ -39,6 +40,16 @@ async function ask<T>(path: string, init: RequestInit, take: (response: Response
   }
 }
 
+/** Hears what each answer of a log is of; elsewhere.ts listens. */
+export const heard = { hear: (_: Dated): void => {} };
+
+async function dated<T extends Partial<Dated>>(response: Response): Promise<T> {
+  const told = (await response.json()) as T;
+  const { version, generation } = told;
+  if (version !== undefined && generation !== undefined) heard.hear({ version, generation });
+  return told;
+}
+
 const json = <T>(response: Response): Promise<T> => response.json() as Promise<T>;
 
 function post<T>(path: string, body: unknown): Promise<T> {
@@ -54,18 +65,22 @@ function postBytes<T>(
   return ask(path, { method: "POST", headers: { "content-type": "application/octet-stream" }, body }, take);
 }
 
-const get = <T>(path: string, signal?: AbortSignal): Promise<T> => ask(path, signal ? { signal } : {}, json<T>);
+const getDated = <T extends Partial<Dated>>(path: string, signal?: AbortSignal): Promise<T> =>
+  ask(path, signal ? { signal } : {}, dated<T>);
+const get = <T>(path: string): Promise<T> => ask(path, {}, json<T>);
 const bytes = (response: Response): Promise<ArrayBuffer> => response.arrayBuffer();
 
 export const api = {
   session: () => get<Session>("api/session"),
-  go: (where: GoAsk, budget: number) => post<State>("api/go", { ...where, budget_ms: budget }),
+  /** `since` is the version that the page stands at: where the server's is another, all may have changed. */
+  go: (where: GoAsk, since: number | undefined, budget: number) =>
+    post<State>("api/go", { ...where, since, budget_ms: budget }),
   lanes: (lanes: LaneAsk[]) => post<Session>("api/lanes", { lanes }),
   cell: (column: number, row: number, signal?: AbortSignal) =>
-    get<Cell>(`api/cell?column=${column}&row=${row}`, signal),
-  working: (lane: number) => get<Working>(`api/working?lane=${lane}`),
+    getDated<Cell>(`api/cell?column=${column}&row=${row}`, signal),
+  working: (lane: number) => getDated<Working>(`api/working?lane=${lane}`),
   history: (lane: number, column: number, row: number, count: number) =>
-    get<History>(`api/history?lane=${lane}&column=${column}&row=${row}&count=${count}`),
+    getDated<History>(`api/history?lane=${lane}&column=${column}&row=${row}&count=${count}`),
   /** A tile's picture; `null` where nothing was ever reached. */
   tile: (path: string, signal: AbortSignal) =>
     ask(path, { signal }, async (r) => (r.status === 204 ? null : createImageBitmap(await r.blob()))),
@@ -74,8 +89,9 @@ export const api = {
   wgsl: (path: string) => ask(path, {}, (r) => r.text()),
   share: (lane: number, from: number, to: number, counts: Uint8Array<ArrayBuffer>) =>
     postBytes(`api/gpu/share?lane=${lane}&from=${from}&to=${to}`, counts, bytes),
-  words: (lane: number, to: number, words: Uint8Array<ArrayBuffer>) =>
-    postBytes(`api/gpu/words?lane=${lane}&to=${to}`, words, json<GpuCheck>),
+  /** `more`: of this position other words follow. */
+  words: (lane: number, to: number, words: Uint8Array<ArrayBuffer>, more: boolean) =>
+    postBytes(`api/gpu/words?lane=${lane}&to=${to}${more ? "&more=1" : ""}`, words, json<GpuCheck>),
   reset: (lane: number) =>
     ask(`api/gpu/reset?lane=${lane}`, { method: "POST" }, async (r) => {
       await r.arrayBuffer();

@@ -1,6 +1,7 @@
 // The switch between the server's CPU and the browser's GPU, the badge that says which one computed, and what the
 // comparison found.
 
+import { ServerError } from "./api";
 import { byId, make, pairs } from "./dom";
 import { count, number } from "./format";
 import { Runner } from "./gpu";
@@ -18,6 +19,10 @@ export class Compute {
   private runners: Runner[] = [];
   private checks: (Check | string)[] = [];
   private running: Promise<void> | null = null;
+  /** The look-up of an adapter; what it found says the switch. */
+  private readonly looked: Promise<void>;
+  private looking = false;
+  private opening = false;
   /** Has the log stand still for a moment and follows it there. */
   nudge: () => void = () => {};
 
@@ -26,31 +31,42 @@ export class Compute {
     this.box.addEventListener("change", () => void this.toggle());
     model.on(["session"], () => this.renew());
     this.refresh();
-    if (model.log) void this.look();
+    this.looked = model.log ? this.look() : Promise.resolve();
   }
 
   get busy(): boolean {
-    return this.running !== null;
+    return this.looking || this.opening || this.running !== null;
   }
 
   /** The switch is only there where there is something to switch to. */
   private async look(): Promise<void> {
+    this.looking = true;
     const gpu = "gpu" in navigator ? await navigator.gpu.requestAdapter().catch(() => null) : null;
     this.box.disabled = !gpu;
     byId("gpu-why", HTMLParagraphElement).textContent = gpu
       ? ""
       : "This browser offers no WebGPU adapter: the server's CPU computes.";
+    this.looking = false;
   }
 
-  flip(): void {
-    if (this.box.disabled) return;
+  /** By key: there the switch may be out of sight, so that it is said what came of it. */
+  async flip(say: (text: string) => void): Promise<void> {
+    await this.looked;
+    if (this.box.disabled) return say(byId("gpu-why", HTMLParagraphElement).textContent ?? "");
     this.box.checked = !this.box.checked;
-    void this.toggle();
+    await this.toggle();
+    const why = byId("gpu-why", HTMLParagraphElement).textContent;
+    say(why || (this.box.checked ? "this browser's GPU computes" : "the server's CPU computes"));
+  }
+
+  /** Ends what is under way, as far as it can be ended. */
+  quit(): void {
+    this.runners.forEach((r) => r.quit());
   }
 
   private async toggle(): Promise<void> {
     if (!this.box.checked) {
-      this.runners.forEach((r) => r.quit());
+      this.quit();
       // Unless it was switched on again meanwhile: then it begins anew.
       return this.guard(async () => {
         if (!this.box.checked) this.stop("");
@@ -58,7 +74,8 @@ export class Compute {
     }
     try {
       if (!this.device) {
-        const { device, name } = await open();
+        this.opening = true;
+        const { device, name } = await open().finally(() => (this.opening = false));
         this.device = device;
         this.adapter = name;
         void device.lost.then((lost) => {
@@ -77,14 +94,17 @@ export class Compute {
     const { device, model } = this;
     if (!device) return;
     this.runners.forEach((r) => r.close());
+    model.tiles.computed.clear();
     this.runners = model.session.sources.map((_, lane) => new Runner(device, lane));
     this.checks = [];
+    byId("gpu-why", HTMLParagraphElement).textContent = "";
     await Promise.all(this.runners.map((r) => r.reset()));
     this.nudge();
   }
 
   /** Another session: its lanes start anew. */
   private renew(): void {
+    this.quit();
     this.model.tiles.computed.clear();
     if (this.box.checked) void this.guard(() => this.begin());
     else this.refresh();
@@ -124,7 +144,15 @@ export class Compute {
         continue;
       }
       const before = runner.position;
-      const found = await runner.advance(lane.position);
+      const found = await runner.advance(lane.position).catch((e: unknown) => {
+        // Another page moved the log on meanwhile: it is followed there.
+        if (e instanceof ServerError && /the log stands at/.test(e.message)) return null;
+        throw e;
+      });
+      if (!found) {
+        this.nudge();
+        continue;
+      }
       const old = this.checks[runner.lane];
       this.checks[runner.lane] = old && typeof old !== "string" && before <= lane.position ? add(old, found) : found;
       this.model.tiles.computed.add(runner.lane);

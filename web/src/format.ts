@@ -15,6 +15,11 @@ export function metres(value: number | null | undefined): string {
   return value === null || value === undefined ? "–" : `${value.toFixed(3)} m`;
 }
 
+/** A time of the log, to the hundredth of a second, as the status line has it. */
+export function seconds(value: number | null | undefined): string {
+  return value === null || value === undefined ? "–" : `${value.toFixed(2)} s`;
+}
+
 /** Degrees from −180 to 180, from radians. */
 export function degrees(value: number | null | undefined): string {
   if (value === null || value === undefined) return "–";

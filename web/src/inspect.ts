@@ -2,7 +2,7 @@
 
 import { api } from "./api";
 import { byId, make, pairs, table } from "./dom";
-import { change, count, metres, number } from "./format";
+import { change, count, metres, number, seconds } from "./format";
 import type { Model } from "./model";
 import type { CellSource, Chosen, History, HistoryEvent } from "./protocol";
 
@@ -102,14 +102,16 @@ export class Inspect {
   }
 
   private showHistory({ total, layers, events, note }: History): void {
+    // A counting sensor model counts scans; other readings tell what the log calls theirs.
+    const scans = this.model.source(Number(this.lane.value) || 0)?.method?.startsWith("csm-") ?? false;
     const parts: Node[] = [];
     if (note) parts.push(make("p", {}, note));
     if (!events.length) parts.push(make("p", {}, "No reading touched this cell yet."));
     else
       parts.push(
         table(
-          ["reading", "where", "own", "before → after", "scan", "sensor", "range"],
-          events.map((e) => this.event(e, layers)),
+          ["reading", "where", "own", "before → after", "time", scans ? "scan" : "scan id", "sensor", "range"],
+          events.map((e) => this.event(e, layers, scans)),
           `readings that touched it: ${count(total)}, latest first`,
         ),
       );
@@ -124,26 +126,34 @@ export class Inspect {
     this.past.replaceChildren(...parts);
   }
 
-  private event(e: HistoryEvent, layers: string[]): (string | Node)[] {
+  private event(e: HistoryEvent, layers: string[], scans: boolean): (string | Node)[] {
     const range = e.outcome === "no_echo" ? "no echo" : e.range === null ? "–" : metres(e.range);
-    const title = `line ${e.line}${e.t === null ? "" : `, t = ${number(e.t)} s`}`;
     return [
-      make("span", { title }, String(e.number)),
+      make("span", { title: `line ${e.line}` }, String(e.number)),
       e.region,
       number(e.own),
       change(layers, e.before, e.after),
-      String(e.scan + 1),
+      seconds(e.t),
+      String(scans ? e.scan + 1 : e.scan),
       e.sensor,
       range,
     ];
   }
 }
 
+/** What a beam gives to each class: what is not 0. */
+function gained(all: [string, number | null][]): string {
+  const some = all.filter(([, gain]) => gain !== 0);
+  return some.length ? some.map(([name, gain]) => `${name} ${number(gain)}`).join(", ") : "nothing";
+}
+
 /** The chosen poses and beams of a counting sensor model, whatever the server tells of them. */
 function chosen(list: Chosen[]): HTMLElement {
   const keys = [...new Set(list.flatMap((c) => Object.keys(c)))].filter((k) => k !== "pose" && k !== "ray");
   const value = (c: Chosen, key: string): string => {
+    if (key === "gained") return gained(c.gained ?? []);
     const found = key === "scan" && typeof c.scan === "number" ? c.scan + 1 : c[key];
+    if (key === "range") return typeof found === "number" ? metres(found) : "no hit";
     return typeof found === "number" || typeof found === "string" || found === null
       ? number(found)
       : found === undefined

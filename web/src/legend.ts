@@ -1,9 +1,11 @@
 // What the colours mean: a scale or classes for each panel, and the signs that are drawn over them.
 
 import { byId, make } from "./dom";
+import { strongestOf } from "./draw/cells";
 import { count, number } from "./format";
 import { type Model, WORKING } from "./model";
-import type { View } from "./protocol";
+import type { Current, Step, View, Working } from "./protocol";
+import { nothing } from "./reading-panel";
 
 function swatch(colour: string, text: string, kind = ""): HTMLElement {
   const patch = make("span", { class: `swatch ${kind}`, "aria-hidden": "true" });
@@ -36,6 +38,23 @@ function describe(title: string, view: View): HTMLElement {
   );
 }
 
+/** The shades of the working view: each is relative to this reading, so that its strong end is told. */
+function shades(title: string, working: Working | null, step: Step, current: Current | null): HTMLElement {
+  const own = working?.own_is ? `; own = ${working.own_is}` : "";
+  const about = `What the current reading says of each cell, relative to where it says most${own}.`;
+  const why = current ? nothing(current, working) : "";
+  const said = [make("p", {}, about), ...(why ? [make("p", { class: "nothing" }, why)] : [])];
+  const strongest = working ? { value: working.strongest, is: working.strength_is } : null;
+  const arc = (working && strongestOf(working, step)) ?? strongest;
+  const bar = (region: string, colour: string, end: typeof strongest) =>
+    scale([
+      ["0", `rgb(${colour} / 8%)`],
+      [`${region}, strongest${end ? `: ${number(end.value)} (${end.is})` : ""}`, `rgb(${colour})`],
+    ]);
+  const bars = [bar("interior", "37 99 235", strongest), bar("arc", "220 38 38", arc)];
+  return make("section", { "data-legend": WORKING }, make("h3", {}, title), ...said, ...bars);
+}
+
 export function showLegend(model: Model): void {
   const box = byId("legend", HTMLDivElement);
   const refresh = () => {
@@ -50,27 +69,12 @@ export function showLegend(model: Model): void {
       if (view) parts.push(describe(`over it, ${model.source(model.look.other)?.name ?? ""}: ${view.name}`, view));
     }
     if (model.log && model.look.view === WORKING) {
-      const working = model.workings[0];
-      parts.push(
-        make(
-          "section",
-          { "data-legend": WORKING },
-          make("h3", {}, "working"),
-          make(
-            "p",
-            {},
-            `What the current reading says of each cell, stronger where it says more${working?.own_is ? `; own = ${working.own_is}` : ""}.`,
-          ),
-          scale([
-            ["0", "rgb(37 99 235 / 8%)"],
-            ["interior, strongest", "rgb(37 99 235)"],
-          ]),
-          scale([
-            ["0", "rgb(220 38 38 / 8%)"],
-            ["arc, strongest", "rgb(220 38 38)"],
-          ]),
-        ),
-      );
+      const several = model.session.sources.length > 1;
+      model.session.sources.forEach((source, k) => {
+        const current = model.lane(k)?.current;
+        const title = several ? `${source.name}: working` : "working";
+        parts.push(shades(title, model.workings[k] ?? null, model.look.step, current ?? null));
+      });
     }
     if (model.log) {
       parts.push(
@@ -95,5 +99,8 @@ export function showLegend(model: Model): void {
     box.replaceChildren(...parts);
   };
   model.on(["session", "look"], refresh);
+  model.on(["working"], () => {
+    if (model.look.view === WORKING) refresh();
+  });
   refresh();
 }

@@ -3,12 +3,14 @@
 import { api, unanswered } from "./api";
 import { Compute } from "./compute";
 import { byId, make } from "./dom";
+import { Elsewhere } from "./elsewhere";
 import { Evidence } from "./evidence";
 import { Hover } from "./hover";
 import { Inspect } from "./inspect";
 import { Keys, type Shortcut } from "./keys";
 import { showLegend } from "./legend";
-import { showMaps } from "./maps";
+import { Loading } from "./loading";
+import { showMaps, showReport } from "./maps";
 import { Model } from "./model";
 import { Parameters } from "./parameters";
 import { Player } from "./player";
@@ -46,18 +48,28 @@ const failed = (why: string): void => {
   byId("error", HTMLDivElement).hidden = !why;
 };
 
+/** What the user did not do. */
+const notice = (what: string): void => {
+  byId("notice-text", HTMLSpanElement).textContent = what;
+  byId("notice", HTMLDivElement).hidden = !what;
+  // Moving the log or the page says something too: this comes last.
+  if (what) setTimeout(() => say(what));
+};
+
 function head(session: Session): void {
   document.title = `${session.name} – echogrid`;
   byId("name", HTMLSpanElement).textContent = session.name;
   byId("version", HTMLSpanElement).textContent = session.version;
   document.body.dataset.mode = session.mode;
   byId("error-close", HTMLButtonElement).addEventListener("click", () => failed(""));
+  byId("notice-close", HTMLButtonElement).addEventListener("click", () => notice(""));
 }
 
 function start(session: Session): void {
   head(session);
   const model = new Model(session);
   const scene = new Scene(model, byId("panels", HTMLDivElement), (panel) => listen(model, panel.canvas));
+  new Loading(model, scene, say);
   themed = () => scene.recolour();
   const compute = new Compute(model);
   const views = new Views(model);
@@ -122,7 +134,11 @@ function start(session: Session): void {
 /** What only a log has: steps, playing, evidence, parameters. */
 function startLog(model: Model, compute: Compute, idle: (() => boolean)[]): Shortcut[] {
   let refresh = (): void => {};
-  const stepper = new Stepper(model, failed, () => refresh());
+  const broke = (why: string) => {
+    player.pause();
+    failed(why);
+  };
+  const stepper = new Stepper(model, broke, () => refresh());
   const evidence = new Evidence(model);
   const shown = () => !evidence.busy && model.tiles.missing === 0;
   const player = new Player(model, stepper, shown, () => refresh());
@@ -133,18 +149,32 @@ function startLog(model: Model, compute: Compute, idle: (() => boolean)[]): Shor
   const reading = new ReadingPanel(model);
   evidence.shown = () => reading.open;
   byId("reading-details", HTMLDetailsElement).addEventListener("toggle", () => void evidence.refresh());
-  const parameters = new Parameters(model);
-  parameters.around = async (change) => {
+  const still = async () => {
     player.pause();
     await stepper.halt();
     await compute.settled();
+  };
+  const parameters = new Parameters(model);
+  const elsewhere = new Elsewhere(model, stepper, broke, notice);
+  elsewhere.changing = () => parameters.busy;
+  elsewhere.still = () => {
+    compute.quit();
+    return still();
+  };
+  parameters.done = () => elsewhere.check();
+  parameters.around = async (change) => {
+    notice("");
+    await still();
     return change();
   };
+  model.on(["session"], () => showReport(model.session));
+  showReport(model.session);
   announce(model, player);
   idle.push(
     () => !stepper.busy,
     () => !player.playing,
     () => !parameters.busy,
+    () => !elsewhere.busy,
     () => !compute.busy,
   );
   return [
@@ -161,7 +191,7 @@ function startLog(model: Model, compute: Compute, idle: (() => boolean)[]): Shor
       does: { marks: "mark the cells of the reading", outline: "outline and robot", follow: "follow the robot" }[what],
       run: () => byId(what, HTMLInputElement).click(),
     })),
-    { keys: ["g"], shown: "G", does: "compute in this browser's GPU, or no longer", run: () => compute.flip() },
+    { keys: ["g"], shown: "G", does: "compute in this browser's GPU, or no longer", run: () => void compute.flip(say) },
   ];
 }
 

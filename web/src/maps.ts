@@ -3,7 +3,7 @@
 import { byId, make, pairs } from "./dom";
 import { number } from "./format";
 import type { Arrangement, Model } from "./model";
-import type { Json } from "./protocol";
+import type { Json, Session } from "./protocol";
 
 /** A tree of JSON: plain values as pairs, what holds others as a part that opens. */
 function tree(value: { [key: string]: Json }): Node[] {
@@ -21,6 +21,24 @@ function tree(value: { [key: string]: Json }): Node[] {
   }
   return [...(plain.length ? [pairs(plain)] : []), ...deep];
 }
+
+/** What came of a log's lines: used, rejected and why, bad lines with their beginnings. */
+export function showReport(session: Session): void {
+  byId("report-details", HTMLDetailsElement).hidden = !session.report;
+  const { readings, bad_lines: bad } = session.report ?? {};
+  if (!isTree(readings)) return;
+  const parts = tree(readings);
+  parts.filter((p) => p instanceof HTMLDetailsElement).forEach((p) => (p.open = true));
+  if (isTree(bad)) {
+    const first = Array.isArray(bad.first) ? bad.first : [];
+    parts.push(pairs([["bad lines", number(Number(bad.count))]]));
+    if (first.length) parts.push(make("ul", {}, ...first.map((line) => make("li", {}, String(line)))));
+  }
+  byId("report", HTMLDivElement).replaceChildren(...parts);
+}
+
+const isTree = (value: Json | undefined): value is { [key: string]: Json } =>
+  typeof value === "object" && value !== null && !Array.isArray(value);
 
 export function showMaps(model: Model): void {
   const { session, look } = model;

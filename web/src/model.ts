@@ -54,7 +54,7 @@ export class Model {
 
   constructor(public session: Session) {
     this.viewport = new Viewport(session.grid, () => this.tell("view"));
-    this.tiles = new Tiles(session.levels, () => this.tell("view"));
+    this.tiles = new Tiles(session.levels, session.generation ?? 0, () => this.tell("view"));
     this.take(session);
   }
 
@@ -69,7 +69,7 @@ export class Model {
   /** Another session: other lanes, other parameters. */
   replace(session: Session): void {
     this.viewport.regrid(session.grid);
-    this.tiles.clear(session.levels);
+    this.tiles.clear(session.levels, session.generation ?? 0);
     this.take(session);
     this.tell("session");
     this.tell("state");
@@ -150,6 +150,11 @@ export class Model {
     const other = !this.log && id > 0 && this.look.otherView;
     const wanted = other || (this.look.view === WORKING ? "combined" : this.look.view);
     return views.find((v) => v.name === wanted) ?? views.find((v) => v.name === "combined") ?? views[0];
+  }
+
+  /** The sources that a panel draws. */
+  drawnOn(id: SourceId): SourceId[] {
+    return !this.log && id === 0 && this.look.arrangement === "over" ? [id, this.look.other] : [id];
   }
 
   /** What the panels show, left to right. */

@@ -18,6 +18,8 @@ export class Parameters {
   private running = false;
   private again = false;
   private readonly soon = later(250, () => void this.send());
+  /** Hears that nothing waits any more. */
+  done: () => void = () => {};
   /** The log must stand still while lanes are changed, and what a new session needs follows. */
   around: (change: () => Promise<Session>) => Promise<Session> = (change) => change();
 
@@ -69,7 +71,10 @@ export class Parameters {
       this.running = false;
       document.body.classList.remove("changing");
       if (this.again) void this.send();
-      else if (this.error.textContent) this.marks();
+      else {
+        if (this.error.textContent) this.marks();
+        this.done();
+      }
     }
   }
 

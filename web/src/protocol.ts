@@ -129,8 +129,10 @@ export interface LaneState {
   current: Current | null;
 }
 
-export interface State {
-  version: number;
+/** What an answer is of: the lanes as they were made, and their place in the log. */
+export type Dated = { version: number; generation: number };
+
+export interface State extends Dated {
   position: number;
   total: number;
   scan: number;
@@ -152,11 +154,12 @@ export interface Session {
   sources: Source[];
   difference: View | null;
   /** Of a log. */
+  generation?: number;
   methods?: Method[];
   sensor_keys?: Key[];
   sensors?: { [key: string]: Json }[];
   state?: State;
-  /** Of a map. */
+  /** Of a log: `readings` and `bad_lines`; of a map its report.json. */
   report?: { [key: string]: Json };
   score?: { [key: string]: Json } | null;
 }
@@ -165,6 +168,7 @@ export interface Session {
 export interface Chosen {
   pose?: Pose;
   ray?: [Place, Place];
+  gained?: [string, number][];
   [key: string]: Json | undefined;
 }
 
@@ -178,7 +182,7 @@ export interface CellSource {
   chosen?: Chosen[];
 }
 
-export interface Cell {
+export interface Cell extends Partial<Dated> {
   column: number;
   row: number;
   x: number;
@@ -188,7 +192,7 @@ export interface Cell {
 
 export type Step = "own" | "cancelled" | "normalised";
 
-export interface Working {
+export interface Working extends Dated {
   position: number;
   interior: number;
   arc: number;
@@ -208,6 +212,9 @@ export interface Working {
   cancelled?: (number | null)[];
   normalised?: (number | null)[];
   strength: (number | null)[];
+  /** What the shade is of, and its value where it is strongest. */
+  strongest: number | null;
+  strength_is: string;
   before: (number | null)[][];
   after: (number | null)[][];
   chosen?: Chosen[][];
@@ -227,7 +234,7 @@ export interface HistoryEvent {
   after: (number | null)[];
 }
 
-export interface History {
+export interface History extends Dated {
   total: number;
   layers: string[];
   events: HistoryEvent[];
@@ -239,56 +246,5 @@ export interface LaneAsk {
   set: Record<string, string>;
 }
 
+/** Where to go; `since` is added by who asks. */
 export type GoAsk = { by: "reading" | "scan"; count: number } | { to: number };
-
-export interface GpuStep {
-  kernel?: string;
-  mode?: number;
-  share?: boolean;
-}
-
-export interface GpuPlan {
-  supported: boolean;
-  why: string | null;
-  tile_words: number;
-  chunk_tiles: number;
-  steps: GpuStep[];
-}
-
-export interface Span {
-  at: number;
-  bytes: number;
-}
-
-export interface GpuShader {
-  path: string;
-  entry: string;
-  constants: Record<string, number>;
-}
-
-export interface GpuChunk {
-  place: [number, number];
-  tiles: Span;
-  entries: Span;
-  count: number;
-  slots: number[];
-}
-
-export interface GpuBatch {
-  from: number;
-  to: number;
-  frame: Span;
-  readings: number;
-  parts_bytes: number;
-  shaders: Record<string, GpuShader>;
-  buffers: (Span & { name: string })[];
-  chunks: GpuChunk[];
-}
-
-export interface GpuCheck {
-  tiles: number;
-  cells: number;
-  membership_differences: number;
-  value_differences: number;
-  largest: number | null;
-}

@@ -1,7 +1,7 @@
 // The side panel of the current reading: its numbers, and a table of the cells that it touched.
 
 import { byId, make, pairs } from "./dom";
-import { change, count, degrees, metres, number } from "./format";
+import { change, count, degrees, metres, number, seconds } from "./format";
 import type { Model } from "./model";
 import type { Current, Working } from "./protocol";
 
@@ -39,6 +39,16 @@ const COLUMNS: Column[] = [
   { name: "θ", value: (w, k) => w.theta[k] ?? null, text: (w, k) => degrees(w.theta[k]) },
 ];
 
+/** Why a reading shows less than one would expect; "" where it does not. */
+export function nothing(current: Current, working: Working | null): string {
+  if (!working || current.kind !== "reading") return "";
+  if (working.interior + working.arc === 0) {
+    return current.case ? "It reaches no cell." : "Outside the grid: it reaches no cell.";
+  }
+  const echo = current.outcome === "hit" && !current.case;
+  return echo && working.arc === 0 ? "No cell on its arc." : "";
+}
+
 export class ReadingPanel {
   private readonly box = byId("reading", HTMLDivElement);
   private readonly details = byId("reading-details", HTMLDetailsElement);
@@ -67,7 +77,8 @@ export class ReadingPanel {
         ...head,
         this.numbers(current, working),
         ...this.cases(current),
-        ...(working ? [this.cells(working, k)] : []),
+        ...[nothing(current, working)].filter((text) => text !== "").map((text) => make("p", { class: "nothing" }, text)),
+        ...(working?.column.length ? [this.cells(working, k)] : []),
       ];
     });
     this.box.replaceChildren(...parts);
@@ -77,8 +88,8 @@ export class ReadingPanel {
     const entries: [string, string][] = [
       ["number", count(current.number)],
       ["line of the log", count(current.line)],
-      ["scan", count(current.scan + 1)],
-      ["time", current.t === null ? "–" : `${number(current.t)} s`],
+      ["scan", `${count(this.model.state?.scan ?? 0)} (id ${current.scan} in the log)`],
+      ["time", seconds(current.t)],
     ];
     if (current.kind === "reading") {
       entries.push(
@@ -96,7 +107,7 @@ export class ReadingPanel {
     entries.push(["robot", `${number(current.robot[0])}, ${number(current.robot[1])} m, ${degrees(current.robot[2])}`]);
     if (working) {
       entries.push(["interior cells", count(working.interior)], ["arc cells", count(working.arc)]);
-      if (working.n !== null) entries.push(["n", count(working.n)]);
+      if (working.n !== null && working.n !== undefined) entries.push(["n", count(working.n)]);
       if (working.sum !== null) entries.push(["Σ", number(working.sum)]);
       entries.push(["own is", working.own_is]);
     }

@@ -16,10 +16,14 @@ export interface Panel {
   figure: HTMLElement;
   canvas: HTMLCanvasElement;
   title: HTMLElement;
+  /** Says that tiles are still to come. */
+  note: HTMLElement;
 }
 
 export class Scene {
   panels: Panel[] = [];
+  /** Hears of each drawing's end. */
+  drawn: () => void = () => {};
   private scheduled = false;
   private ink: Ink = readInk();
   private readonly sizes = new ResizeObserver(() => this.resized());
@@ -84,7 +88,9 @@ export class Scene {
       "aria-roledescription": "map",
       "aria-describedby": "map-help",
     });
-    return { id, title, canvas, figure: make("figure", { class: "panel", "data-source": id }, title, canvas) };
+    const note = make("p", { class: "loading", hidden: true }, "loading…");
+    const figure = make("figure", { class: "panel", "data-source": id }, title, canvas, note);
+    return { id, title, canvas, note, figure };
   }
 
   private name({ id, title, canvas }: Panel): void {
@@ -141,6 +147,7 @@ export class Scene {
     this.model.tiles.begin();
     for (const panel of this.panels) this.drawPanel(panel);
     this.model.tiles.end();
+    this.drawn();
   }
 
   private drawPanel({ id, canvas }: Panel): void {

@@ -3,7 +3,7 @@
 
 import { api } from "./api";
 import type { Model } from "./model";
-import type { GoAsk, State } from "./protocol";
+import type { Dated, GoAsk, State } from "./protocol";
 
 /** Milliseconds that the server may take for a piece. */
 const BUDGET = 200;
@@ -12,8 +12,13 @@ export class Stepper {
   private queue: GoAsk[] = [];
   private running = false;
   private stopped = false;
+  private asks = false;
   /** What must be done with a new state before it is shown. */
   before: (state: State) => Promise<void> = () => Promise.resolve();
+  /** The lanes are no longer those that the page knows. */
+  remade: (of: Dated) => void = () => {};
+  /** It stands still where the server said. */
+  arrived: () => void = () => {};
 
   constructor(
     private readonly model: Model,
@@ -23,6 +28,11 @@ export class Stepper {
 
   get busy(): boolean {
     return this.running;
+  }
+
+  /** Whether it is on its way; who only asks where the log stands is not. */
+  get going(): boolean {
+    return this.running && !this.asks;
   }
 
   /** By so many readings or scans, or to a reading; going to one forgets the steps that wait. */
@@ -48,23 +58,36 @@ export class Stepper {
 
   private async run(): Promise<void> {
     this.running = true;
-    this.changed();
+    let remade: State | null = null;
+    let good = true;
     try {
       for (let ask = this.queue.shift(); ask; ask = this.queue.shift()) {
         this.stopped = false;
-        const state = await api.go(ask, BUDGET);
+        this.asks = "by" in ask && ask.count === 0;
+        this.changed();
+        const { version } = this.model.state ?? {};
+        const state = await api.go(ask, version, BUDGET);
+        if (state.generation !== this.model.session.generation) {
+          remade = state;
+          this.queue = [];
+          break;
+        }
         await this.before(state);
-        this.model.step(state);
+        // Who only asks need not hear that nothing changed.
+        if (state.version !== version || !this.asks) this.model.step(state);
         const target = "to" in ask ? ask.to : state.target;
         const on = !state.done && !this.stopped && !this.queue.some((q) => "to" in q);
         if (on && target !== undefined) this.queue.unshift({ to: target });
       }
     } catch (e) {
+      good = false;
       this.queue = [];
       this.failed(e instanceof Error ? e.message : String(e));
     } finally {
       this.running = false;
       this.changed();
     }
+    if (remade) this.remade(remade);
+    else if (good) this.arrived();
   }
 }

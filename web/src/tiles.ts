@@ -66,12 +66,14 @@ export class Tiles {
 
   constructor(
     private levels: number,
+    private generation: number,
     private readonly arrived: () => void,
   ) {}
 
   /** Forgets everything: another session. */
-  clear(levels: number): void {
+  clear(levels: number, generation: number): void {
     this.levels = levels;
+    this.generation = generation;
     this.flying.forEach((f) => f.abort());
     this.flying.clear();
     this.wishes.clear();
@@ -93,7 +95,7 @@ export class Tiles {
 
   private stamp(w: Wish): string {
     const version = this.versionsOf(w.source).get(w.level, w.column, w.row);
-    return `${version}${this.computed.has(w.source) ? "&backend=webgpu" : ""}`;
+    return `${this.generation}.${version}${this.computed.has(w.source) ? "&backend=webgpu" : ""}`;
   }
 
   /** A tile's picture as far as it is known, and asks for it where it is not the newest. */
@@ -123,6 +125,11 @@ export class Tiles {
       if (!this.wishes.has(name)) fetch.abort();
     }
     this.pump();
+  }
+
+  /** Whether tiles of a source are still to come. */
+  lacks(source: SourceId): boolean {
+    return [...this.wishes.values()].some((w) => w.source === source);
   }
 
   /** How many tiles are still to come. */

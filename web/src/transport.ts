@@ -1,7 +1,7 @@
 // The buttons of the steps, the slider over the log, play and pause.
 
 import { byId, make } from "./dom";
-import { count } from "./format";
+import { count, seconds } from "./format";
 import type { Model } from "./model";
 import type { Player } from "./player";
 import type { Stepper } from "./stepper";
@@ -42,7 +42,7 @@ export function position(model: Model): string {
   const scans = `scan ${count(state.scan)} of ${count(state.scans)}`;
   // Of a counting sensor model a step is a scan.
   if (model.source(0)?.method?.startsWith("csm-")) return scans;
-  const t = current && current.t !== null ? ` · t = ${current.t.toFixed(2)} s` : "";
+  const t = current && current.t !== null ? ` · t = ${seconds(current.t)}` : "";
   return `reading ${count(state.position)} of ${count(state.total)} · ${scans}${t}`;
 }
 
@@ -85,7 +85,7 @@ export class Transport {
 
   /** Plays or pauses; a long way under way is stopped. */
   toggle(): void {
-    if (!this.player.playing && this.stepper.busy) this.stepper.stop();
+    if (!this.player.playing && this.stepper.going) this.stepper.stop();
     else this.player.toggle();
   }
 
@@ -102,7 +102,7 @@ export class Transport {
     const text = position(this.model);
     this.slider.setAttribute("aria-valuetext", text);
     this.text.value = text;
-    const running = this.player.playing || this.stepper.busy;
+    const running = this.player.playing || this.stepper.going;
     this.play.textContent = running ? "❚❚ Pause" : "▶ Play";
     this.play.setAttribute("aria-pressed", String(running));
     document.body.classList.toggle("busy", this.stepper.busy);

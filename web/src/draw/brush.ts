@@ -10,6 +10,8 @@ export interface Ink {
   border: string;
   text: string;
   halo: string;
+  /** Under text that must not be crossed. */
+  plate: string;
   cone: string;
   robot: string;
   interior: string;
@@ -37,6 +39,7 @@ export function readInk(): Ink {
     border: ink("border"),
     text: ink("ink"),
     halo: ink("halo"),
+    plate: ink("outside"),
     cone: ink("cone"),
     robot: ink("robot"),
     interior: ink("interior"),

@@ -29,14 +29,19 @@ interface Baked {
 
 const bakery = new Map<number, Baked>();
 
+/** Where a later step of the evidence shades the arc: its largest, and what it is. */
+export function strongestOf(working: Working, step: Step): { value: number; is: string } | null {
+  const values = step === "own" ? undefined : working[step];
+  if (!values || !working.steps.includes(step)) return null;
+  const all = values.map((v, k) => (working.region[k] === 1 ? Math.abs(v ?? 0) : 0));
+  return { value: all.reduce((a, b) => Math.max(a, b), 0), is: step };
+}
+
 /** How strong each cell's shade is: the server's own, or a later step of the evidence over its largest. */
 function strengths(working: Working, step: Step): (number | null)[] {
   const values = step === "own" ? undefined : working[step];
-  if (!values || !working.steps.includes(step)) return working.strength;
-  let largest = 0;
-  working.region.forEach((region, k) => {
-    if (region === 1) largest = Math.max(largest, Math.abs(values[k] ?? 0));
-  });
+  const largest = strongestOf(working, step)?.value;
+  if (!values || largest === undefined) return working.strength;
   return working.strength.map((own, k) =>
     working.region[k] === 1 ? (largest > 0 ? Math.abs(values[k] ?? 0) / largest : 0) : own,
   );

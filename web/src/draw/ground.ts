@@ -94,6 +94,10 @@ export function drawAxes(brush: Brush): void {
     if (y < 12 || y > height - 28) return;
     context.fillStyle = ink.text;
     context.fillRect(0, y - 0.5, 5, 1);
+    // On a plate: the grid's border may run through it.
+    const wide = context.measureText(text(value, step)).width;
+    context.fillStyle = ink.plate;
+    context.fillRect(6, y - 8, wide + 4, 16);
     label(brush, text(value, step), 8, y, "left", "middle");
   });
   const bar = round(Math.min(100, width / 5) / metre);
