@@ -42,6 +42,9 @@ export class Player {
   }
 
   private tick(): void {
+    // Before the next step: a quick one has one due with every tick.
+    const { state } = this.model;
+    if (state && state.position >= state.total && !this.stepper.busy) return this.pause();
     const now = performance.now();
     // At most a second's worth: who comes back from another tab wants no leap.
     this.due = Math.min(this.due + ((now - this.last) / 1000) * this.rate, Math.max(1, this.rate));
@@ -51,8 +54,6 @@ export class Player {
       this.due -= count;
       void this.stepper.go({ by: this.by, count });
     }
-    const { state } = this.model;
-    if (state && state.position >= state.total && !this.stepper.busy) return this.pause();
     // Who asked for little motion gets two pictures a second, each with more of the log.
     const calm = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.timer = window.setTimeout(() => this.tick(), calm ? 500 : 16);

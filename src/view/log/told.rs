@@ -88,9 +88,13 @@ fn layers(lane: &Lane) -> Vec<&'static str> {
     lane.stepper.method().layers().iter().map(|l| l.name).collect()
 }
 
-/// How many of a reading's arc cells there are, where the method asks.
-fn uses_n(settings: &Settings) -> bool {
-    matches!(settings, Settings::DempsterShafer(_) | Settings::Certainty(_))
+/// How many arc cells a reading has, where the method asks: certainty of an echo, Dempster-Shafer of a missing one, too.
+fn n(settings: &Settings, n: usize, arcs: usize) -> Option<usize> {
+    match settings {
+        Settings::DempsterShafer(_) => Some(n),
+        Settings::Certainty(_) => Some(n).filter(|_| arcs > 0),
+        _ => None,
+    }
 }
 
 /// How strongly an item speaks of a cell, and what that is.
@@ -128,7 +132,7 @@ pub fn working(lane: &Lane) -> Result<Value> {
         "position": stepper.position(),
         "interior": explained.cells.len() - arcs,
         "arc": arcs,
-        "n": uses_n(&settings).then_some(explained.n),
+        "n": n(&settings, explained.n, arcs),
         "sum": explained.sum.map(number),
         "own_is": own_is(&settings),
         "layers": names,
