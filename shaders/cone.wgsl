@@ -23,6 +23,16 @@ fn dot_4(a: vec2<i32>, x: vec4<i32>, y: i32) -> vec4<i32> {
     return a.x * x + a.y * y;
 }
 
+// Distance and direction of the four cells whose first centre lies at v from the sensor; none is a member yet.
+fn polar_row(cone: Cone, v: vec2<i32>) -> Row {
+    let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
+    var row: Row;
+    row.d2 = vec4<f32>(x * x + v.y * v.y);
+    row.across = vec4<f32>(abs(cross_4(cone.axis, x, v.y)));
+    row.along = vec4<f32>(dot_4(cone.axis, x, v.y));
+    return row;
+}
+
 // Classifies the four cells whose first centre lies at v from the sensor.
 fn narrow_row(cone: Cone, v: vec2<i32>) -> Row {
     let left_limit = -i32((cone.flags & HALF_OPEN) != 0u);

@@ -3,6 +3,10 @@
 const CELL: i32 = 32;
 const DIRECTION: i32 = 8192;
 const TILE: u32 = 16u;
+const CHUNK: u32 = 64u;
+const BLOCK: u32 = 8u;
+const BLOCKS: u32 = 8u;
+const SEGMENT: u32 = 1024u;
 
 const NO_ECHO: u32 = 1u;
 const LASER: u32 = 2u;
@@ -26,6 +30,9 @@ const ROUTINE: u32 = 1024u;
 
 const FREE_LIMIT: u32 = 1u;
 const ARC_LIMIT: u32 = 2u;
+
+const AXIS: u32 = 1u;
+const ARCS: u32 = 2u;
 
 const FREE: u32 = 1u;
 const OCCUPY: u32 = 2u;
@@ -56,6 +63,22 @@ struct Tile {
     entries: vec2<u32>,
     slot: u32,
     spare: array<u32, 3>,
+}
+
+struct Near {
+    cone: u32,
+    part: u32,
+    low: vec2<u32>,
+    high: vec2<u32>,
+}
+
+struct Lists {
+    chunk: vec2<u32>,
+    size: vec2<u32>,
+    near: u32,
+    segments: u32,
+    how: u32,
+    pad: u32,
 }
 
 struct Scan {

@@ -1,10 +1,11 @@
-//! Which readings reach which tile, in log order.
+//! Which readings reach which tile, in log order; `shaders/list/tiles.wgsl` makes the same lists on a GPU.
 //!
 //! A batch is any number of readings. For every tile it holds the list of the cones that may touch it, with a flag where
 //! the arc may, and one where the tile is interior throughout. Lists may hold a cone too many, never one too few: the
 //! kernels decide each cell exactly.
 
 mod narrow;
+mod near;
 mod shape;
 
 use crate::layout::*;
@@ -18,7 +19,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// A chunk's share of a batch.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ChunkList {
     /// Its place: chunk column, chunk row.
     pub place: [u32; 2],
@@ -26,6 +27,16 @@ pub struct ChunkList {
     pub tiles: Vec<Tile>,
     /// Their entries, in tile order, each tile's in log order.
     pub entries: Vec<Entry>,
+    /// Instead of both, for a backend that lists tiles itself, the cones whose boxes meet the chunk, in log order.
+    pub near: Vec<Near>,
+}
+
+impl ChunkList {
+    /// (Cone, tile) pairs: those of the list, or, where the backend lists tiles, those of the boxes.
+    pub fn pairs(&self) -> usize {
+        let tiles = |n: &Near| ((n.high[0] - n.low[0]) * (n.high[1] - n.low[1])) as usize;
+        self.entries.len() + self.near.iter().map(tiles).sum::<usize>()
+    }
 }
 
 /// Readings, binned.
@@ -296,7 +307,7 @@ pub(crate) fn list(place: [u32; 2], runs: &[(&[Pair], u32)]) -> ChunkList {
         entries[*end as usize] = Entry { slot: entry.slot + before, ..*entry };
         *end += 1;
     }
-    ChunkList { place, tiles, entries }
+    ChunkList { place, tiles, entries, near: Vec::new() }
 }
 
 #[cfg(test)]

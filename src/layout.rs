@@ -15,6 +15,12 @@ pub const TILE: usize = 16;
 pub const TILE_CELLS: usize = TILE * TILE;
 /// Tiles along a chunk's edge: a chunk of 1024 × 1024 cells is the unit of residence.
 pub const CHUNK: usize = 64;
+/// Tiles along a block's edge: where a GPU lists tiles itself, cones are sorted into blocks first.
+pub const BLOCK: usize = 8;
+/// Blocks along a chunk's edge.
+pub const BLOCKS: usize = CHUNK / BLOCK;
+/// Cones that are sorted into blocks together.
+pub const SEGMENT: usize = 1024;
 
 /// Cone flag: no echo came; the arc does not count.
 pub const NO_ECHO: u32 = 1;
@@ -56,6 +62,11 @@ pub const ROUTINE: u32 = 1024;
 pub const FREE_LIMIT: u32 = 1;
 /// Update flag: what the routine part occupies is limited by the fourth fan.
 pub const ARC_LIMIT: u32 = 2;
+
+/// How tiles are listed: cones reach the cells on their axis.
+pub const AXIS: u32 = 1;
+/// How tiles are listed: a missing echo's arc is looked at, too.
+pub const ARCS: u32 = 2;
 
 /// Frame mode: the pass frees (updates emptiness).
 pub const FREE: u32 = 1;
@@ -116,6 +127,38 @@ pub struct Tile {
     pub slot: u32,
     /// Spare.
     pub spare: [u32; 3],
+}
+
+/// A cone that may reach a chunk, for a GPU that lists tiles itself.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct Near {
+    /// Its index in the batch.
+    pub cone: u32,
+    /// Where the part of the first tile of its box is; the others' follow, row by row.
+    pub part: u32,
+    /// The column and row of its box's first tile, counted from the chunk's.
+    pub low: [u32; 2],
+    /// Those after its box's last.
+    pub high: [u32; 2],
+}
+
+/// How a GPU lists a chunk's tiles.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct Lists {
+    /// The column and row of the chunk's first tile.
+    pub chunk: [u32; 2],
+    /// Columns and rows of the grid, cells.
+    pub size: [u32; 2],
+    /// How many cones may reach the chunk.
+    pub near: u32,
+    /// How many [`SEGMENT`]s of them there are.
+    pub segments: u32,
+    /// [`AXIS`], [`ARCS`].
+    pub how: u32,
+    /// Spare.
+    pub pad: u32,
 }
 
 /// A scan, for the methods that take scans: where it was taken, and its beams.

@@ -1,6 +1,6 @@
 //! From readings to a map: snap, bin, run the method's sweeps on a backend, take the layers out.
 
-use crate::batch::{Batch, Binning};
+use crate::batch::{Batch, Binning, ChunkList};
 use crate::grid::{GridSpec, Layer, Map};
 use crate::kernels::{Backend, Limits};
 use crate::layers;
@@ -40,9 +40,9 @@ pub struct Mapper<'a> {
 pub struct Work {
     /// Batches.
     pub batches: u64,
-    /// (Cone, tile) pairs.
+    /// (Cone, tile) pairs; of a backend that lists tiles itself those of the cones' boxes.
     pub entries: u64,
-    /// Tiles reached, counted anew in each batch.
+    /// Tiles reached, counted anew in each batch; none of a backend that lists tiles itself.
     pub tiles: u64,
     /// Seconds of binning, in µs.
     pub binning_us: u64,
@@ -52,7 +52,7 @@ impl Work {
     /// Counts a batch.
     pub(crate) fn count(&mut self, batch: &Batch) {
         self.batches += 1;
-        self.entries += batch.chunks.iter().map(|c| c.entries.len() as u64).sum::<u64>();
+        self.entries += batch.chunks.iter().map(|c| c.pairs() as u64).sum::<u64>();
         self.tiles += batch.chunks.iter().map(|c| c.tiles.len() as u64).sum::<u64>();
     }
 }
@@ -114,7 +114,7 @@ impl<'a> Mapper<'a> {
             no_echo_arcs: self.method.sweeps()[sweep].contains(&method::Step::Share),
             only: None,
         };
-        let (grid, sensors, method) = (&self.grid, self.sensors, self.method);
+        let (grid, sensors, method, lists) = (&self.grid, self.sensors, self.method, self.backend.limits().lists);
         // Once into the pool for all of it: its threads are slow to wake.
         let batch = rayon::scope(|_| {
             // Each snapped reading, and how many tiles it reaches at most.
@@ -122,7 +122,7 @@ impl<'a> Mapper<'a> {
             let snapped: Vec<_> = items.par_iter().with_min_len(256).map(snap).collect();
             let pairs = snapped.iter().flatten().map(|s| s.0).sum::<usize>();
             let fits = items.len() == 1 || pairs <= PAIRS;
-            fits.then(|| binning.bin(snapped.into_iter().flatten().map(|s| s.1).collect()))
+            fits.then(|| binning.sort(snapped.into_iter().flatten().map(|s| s.1).collect(), lists))
         });
         let Some(batch) = batch else { return self.halves(sweep, items) };
         let misses = (items.len() - batch.cones.len()) as u64;
@@ -181,7 +181,7 @@ pub(crate) fn frame(grid: &GridSpec, method: &dyn Method) -> Frame {
 
 /// Whether a batch comes to more than a backend takes; an error where it is one reading that can't be split.
 pub(crate) fn too_large(method: &dyn Method, batch: &Batch, sums: bool, limits: Limits, one: bool) -> Result<bool> {
-    let entries = batch.chunks.iter().map(|c| c.entries.len()).max().unwrap_or(0);
+    let entries = batch.chunks.iter().map(ChunkList::pairs).max().unwrap_or(0);
     let parts = if sums { batch.first_part.last().map_or(0, |p| *p as usize) } else { 0 };
     let turns = if limits.turns < usize::MAX { batch.turns(method::groups(method)) } else { 0 };
     let too_large = entries > limits.entries || parts > limits.parts || turns > limits.turns;

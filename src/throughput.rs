@@ -7,6 +7,7 @@
 use crate::Result;
 use crate::kernels::Backend;
 use crate::kernels::ceiling::Ceilings;
+use crate::kernels::dry::Dry;
 use crate::layout::{Beam, Cone, Entry, Scan, Shapes};
 use crate::mapper::{self, Mapper, Work};
 use crate::method::settings::{Csm, Settings};
@@ -127,6 +128,10 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
             binning.push(work.binning_us as f64 * 1e-6);
         }
     }
+    if backend.limits().lists && method.unit() == Unit::Reading {
+        let listed = listed(workload, method)?;
+        moved = per_sweep * (listed.entries * ENTRY_BYTES + listed.tiles * 8 * tile_words(method) as u64);
+    }
     let (median, readings) = (median(&seconds), workload.readings.len() as u64);
     let cost = crate::method::entry(crate::method::name(method))?.cost;
     Ok(Measured {
@@ -146,6 +151,20 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
         seconds,
         median,
     })
+}
+
+/// What an entry and its cone come to.
+const ENTRY_BYTES: u64 = (size_of::<Entry>() + size_of::<Cone>()) as u64;
+
+/// What the lists of a workload's readings hold, whoever makes them.
+fn listed(workload: &Workload, method: &dyn Method) -> Result<Work> {
+    let mut dry = Dry::default();
+    let mut mapper =
+        Mapper::new(workload.grid, &workload.sensors, method, &mut dry, mapper::BATCH).without_counts();
+    for sweep in 0..method.sweeps().len() {
+        mapper.sweep(sweep, workload.readings.iter().map(|r| Ok((*r, None))))?;
+    }
+    Ok(mapper.work)
 }
 
 /// A workload's scans from memory to cells.

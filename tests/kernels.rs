@@ -15,6 +15,8 @@ mod faults;
 mod laws;
 #[path = "kernels/layouts.rs"]
 mod layouts;
+#[path = "kernels/lists.rs"]
+mod lists;
 #[path = "kernels/real_log.rs"]
 mod real_log;
 #[path = "kernels/same_bytes.rs"]

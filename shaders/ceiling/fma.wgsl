@@ -11,11 +11,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var b = x + 0.1;
     var c = x + 0.2;
     var d = x + 0.3;
-    for (var k = 0u; k < 2048u; k++) {
+    for (var k = 0u; k < 128u; k++) {
+        // each GROUP
         a = fma(a, x, y);
         b = fma(b, x, y);
         c = fma(c, x, y);
         d = fma(d, x, y);
+        // end
     }
     let sum = a + b + c + d;
     // Never so, but no compiler knows.

@@ -10,11 +10,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var b = x + 1;
     var c = x + 2;
     var d = x + 3;
-    for (var k = 0u; k < 2048u; k++) {
+    for (var k = 0u; k < 128u; k++) {
+        // each GROUP
         a = a * x + b;
         b = b * x + c;
         c = c * x + d;
         d = d * x + a;
+        // end
     }
     let sum = a + b + c + d;
     if sum.x == 12345 {

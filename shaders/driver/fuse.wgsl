@@ -3,39 +3,67 @@
 // A workgroup is a tile; its threads hold their cells' state in registers, so the map is read once and written once a batch.
 // Bounds: groups are the chunk's listed tiles, entries those of the tile's list.
 
+// What a reading does to four cells.
+fn take_in(
+    cone: Cone,
+    row: Row,
+    share: vec4<u32>,
+    one: u32,
+    counts: ptr<function, array<vec4<u32>, 2>>,
+    cells: ptr<function, Cells>,
+) {
+    if any(row.interior | row.arc) {
+        (*counts)[0] += select(vec4<u32>(0u), vec4<u32>(one), row.interior);
+        (*counts)[1] += select(vec4<u32>(0u), vec4<u32>(one), row.arc);
+        fuse_cells(cone, row, share, cells);
+    }
+}
+
 @compute @workgroup_size(THREADS)
 fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let tile = tiles[group.x];
+    if tile.entries.x == tile.entries.y {
+        return;
+    }
     let at = tile.slot * PLANES * 64u + lane;
     let one = select(0u, 1u, (frame.mode & COUNT) != 0u);
     // each GROUP
     let cell_GROUP = cell_of(tile, lane + GROUP * THREADS);
-    var interior_GROUP = vec4<u32>(0u);
-    var arc_GROUP = vec4<u32>(0u);
+    var counts_GROUP = array<vec4<u32>, 2>(vec4<u32>(0u), vec4<u32>(0u));
     var cells_GROUP = load(at + GROUP * THREADS + 128u);
     // end
-    for (var k = tile.entries.x; k < tile.entries.y; k++) {
-        let entry = entries[k];
-        let cone = cones[entry.cone >> ENTRY_SHIFT];
-        let share = shares[cone.index];
+    var first = tile.entries.x;
+    while first < tile.entries.y {
+        let end = stage(first, tile.entries.y, lane);
+        for (var k = first; k < end; k++) {
+            let entry = entry_at(k, first);
+            let cone = cone_at(k, first);
+            let share = share_at(k, first, cone);
+            if TOLD_APART && (entry.cone & INSIDE) != 0u {
+                // each GROUP
+                var row_GROUP = look_inside(cone, cell_GROUP);
+                take_in(cone, row_GROUP, share, one, &counts_GROUP, &cells_GROUP);
+                // end
+            } else if TOLD_APART && (entry.cone & ARC) == 0u {
+                // each GROUP
+                var row_GROUP = look_before(cone, cell_GROUP);
+                take_in(cone, row_GROUP, share, one, &counts_GROUP, &cells_GROUP);
+                // end
+            } else {
+                // each GROUP
+                var row_GROUP = look(cone, cell_GROUP);
+                take_in(cone, row_GROUP, share, one, &counts_GROUP, &cells_GROUP);
+                // end
+            }
+        }
+        first = end;
         // each GROUP
-        var row_GROUP = look(cone, cell_GROUP);
-        if any(row_GROUP.interior | row_GROUP.arc) {
-            interior_GROUP += select(vec4<u32>(0u), vec4<u32>(one), row_GROUP.interior);
-            arc_GROUP += select(vec4<u32>(0u), vec4<u32>(one), row_GROUP.arc);
-            fuse_cells(cone, row_GROUP, share, &cells_GROUP);
-        }
+        settle(&cells_GROUP);
         // end
-        if (k - tile.entries.x) % 16u == 15u {
-            // each GROUP
-            settle(&cells_GROUP);
-            // end
-        }
     }
     // each GROUP
-    state[at + GROUP * THREADS] += interior_GROUP;
-    state[at + GROUP * THREADS + 64u] += arc_GROUP;
-    settle(&cells_GROUP);
+    state[at + GROUP * THREADS] += counts_GROUP[0];
+    state[at + GROUP * THREADS + 64u] += counts_GROUP[1];
     store(cells_GROUP, at + GROUP * THREADS + 128u);
     // end
 }

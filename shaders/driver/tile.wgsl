@@ -3,6 +3,10 @@
 // A thread owns 64 / THREADS groups: the lines between `each GROUP` and `end` stand once for each. More groups a thread spread
 // the reading of an entry over more cells, fewer use more threads.
 
+// Whether tiles that are interior throughout, and those off the arc, have code of their own. Software adapters run all sides of a
+// branch, and 64 bits have none.
+override TOLD_APART: bool = false;
+
 // The first cell of a group.
 fn cell_of(tile: Tile, group: u32) -> vec2<u32> {
     return tile.corner + vec2<u32>((group % 4u) * 4u, group / 4u);
@@ -11,6 +15,11 @@ fn cell_of(tile: Tile, group: u32) -> vec2<u32> {
 // How many columns the grid has from that cell on; none beyond its last row.
 fn columns_of(cell: vec2<u32>) -> i32 {
     return select(0, i32(frame.size.x) - i32(cell.x), cell.y < frame.size.y);
+}
+
+// Where the first of four cells lies from the sensor.
+fn from_sensor(cone: Cone, cell: vec2<u32>) -> vec2<i32> {
+    return CELL * vec2<i32>(cell) + vec2<i32>(CELL / 2) - cone.sensor;
 }
 
 // The four cells as the cone sees them.
@@ -24,7 +33,21 @@ fn look(cone: Cone, cell: vec2<u32>) -> Row {
 
 // The same, a missing echo's arc too.
 fn look_at_all(cone: Cone, cell: vec2<u32>) -> Row {
-    var row = member_row(cone, CELL * vec2<i32>(cell) + vec2<i32>(CELL / 2) - cone.sensor);
+    var row = member_row(cone, from_sensor(cone, cell));
     clip(&row, columns_of(cell));
+    return row;
+}
+
+// The four cells of a tile off the arc.
+fn look_before(cone: Cone, cell: vec2<u32>) -> Row {
+    var row = look_at_all(cone, cell);
+    row.arc = vec4<bool>(false);
+    return row;
+}
+
+// The four cells of a tile that is interior throughout, and lies in the grid.
+fn look_inside(cone: Cone, cell: vec2<u32>) -> Row {
+    var row = polar_row(cone, from_sensor(cone, cell));
+    row.interior = vec4<bool>(true);
     return row;
 }

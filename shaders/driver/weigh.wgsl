@@ -1,30 +1,72 @@
-// Each group of cells' part of each reading's evidence on its arc; twin of src/kernels/cpu/walk.rs (weigh).
+// Each tile's part of each reading's evidence on its arc; twin of src/kernels/cpu/walk.rs (weigh).
 //
-// A kernel of its own because the update needs the whole sum. The threads of a tile never meet: each stores what four
-// cells come to, and sum.wgsl adds them up in one order.
+// A kernel of its own because the update needs the whole sum. What the threads' groups of four cells come to is added up in one
+// order, down the tile's four columns of groups, then across; sum.wgsl adds up the tiles.
 
 @group(0) @binding(5) var<storage, read_write> parts: array<f32>;
+
+// Of each entry of a stage, row by row of the tile, what its four groups come to; a row more, so that entries begin in different banks.
+var<workgroup> held: array<vec4<f32>, STAGE * 17u>;
+
+fn part_of_tile(at: u32) -> f32 {
+    let columns = held[at] + held[at + 1u] + held[at + 2u] + held[at + 3u] + held[at + 4u] + held[at + 5u] + held[at + 6u]
+        + held[at + 7u] + held[at + 8u] + held[at + 9u] + held[at + 10u] + held[at + 11u] + held[at + 12u] + held[at + 13u]
+        + held[at + 14u] + held[at + 15u];
+    return (columns.x + columns.y) + (columns.z + columns.w);
+}
+
+// What a group of four cells comes to.
+fn part_of_group(cone: Cone, row: Row, cells: ptr<function, Cells>) -> f32 {
+    if any(row.interior | row.arc) {
+        let part = weigh_cells(cone, row, cells);
+        return (part.x + part.y) + (part.z + part.w);
+    }
+    return 0.0;
+}
 
 @compute @workgroup_size(THREADS)
 fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let tile = tiles[group.x];
+    if tile.entries.x == tile.entries.y {
+        return;
+    }
     let at = tile.slot * PLANES * 64u + lane;
     // each GROUP
     let cell_GROUP = cell_of(tile, lane + GROUP * THREADS);
     var cells_GROUP = load(at + GROUP * THREADS + 128u);
     // end
-    for (var k = tile.entries.x; k < tile.entries.y; k++) {
-        let entry = entries[k];
-        let cone = cones[entry.cone >> ENTRY_SHIFT];
-        // each GROUP
-        var row_GROUP = look(cone, cell_GROUP);
-        var part_GROUP = vec4<f32>(0.0);
-        if any(row_GROUP.interior | row_GROUP.arc) {
-            part_GROUP = weigh_cells(cone, row_GROUP, &cells_GROUP);
+    var first = tile.entries.x;
+    while first < tile.entries.y {
+        let end = stage(first, tile.entries.y, lane);
+        for (var k = first; k < end; k++) {
+            let entry = entry_at(k, first);
+            let cone = cone_at(k, first);
+            let base = (k - first) * 17u;
+            if TOLD_APART && (entry.cone & INSIDE) != 0u {
+                // each GROUP
+                _ = part_of_group(cone, look_inside(cone, cell_GROUP), &cells_GROUP);
+                // end
+            } else if TOLD_APART && (entry.cone & ARC) == 0u {
+                // each GROUP
+                _ = part_of_group(cone, look_before(cone, cell_GROUP), &cells_GROUP);
+                // end
+            } else {
+                // each GROUP
+                var row_GROUP = look(cone, cell_GROUP);
+                let group_GROUP = lane + GROUP * THREADS;
+                held[base + group_GROUP / 4u][group_GROUP % 4u] = part_of_group(cone, row_GROUP, &cells_GROUP);
+                // end
+            }
         }
-        if (entry.cone & ARC) != 0u {
-            parts[entry.slot * 64u + lane + GROUP * THREADS] = (part_GROUP.x + part_GROUP.y) + (part_GROUP.z + part_GROUP.w);
+        workgroupBarrier();
+        for (var k = first + lane; k < end; k += THREADS) {
+            let entry = entry_at(k, first);
+            if (entry.cone & ARC) != 0u {
+                parts[entry.slot] = part_of_tile((k - first) * 17u);
+            }
         }
-        // end
+        // Before the next stage's evidence overwrites this one's.
+        workgroupBarrier();
+        first = end;
     }
 }

@@ -1,4 +1,4 @@
-//! A cone's outline, and whether it may touch a tile, in 64 bits.
+//! A cone's outline, and whether it may touch a tile, in 64 bits; `shaders/list/meets.wgsl` decides the same in 32.
 
 use crate::layout::*;
 use crate::snap::{Footprint, SLACK};

@@ -33,7 +33,7 @@ impl Backend for Dry {
     }
 
     fn limits(&self) -> Limits {
-        Limits { readings: 1 << 24, entries: usize::MAX, parts: usize::MAX, turns: usize::MAX }
+        Limits { readings: 1 << 24, entries: usize::MAX, parts: usize::MAX, turns: usize::MAX, lists: false }
     }
 
     fn apply(&mut self, _: &dyn Method, _: Frame, batch: &Batch, _: &[Step], _: &mut Shares) -> Result<()> {

@@ -35,6 +35,8 @@ pub struct Limits {
     /// How often a thread may go round its loops ([`Batch::turns`]): Mesa's software adapter ends a loop without a word
     /// once all of a thread's have gone round 65535 times.
     pub turns: usize,
+    /// Whether the backend lists the tiles of a batch's cones itself ([`crate::batch::Binning::near`]).
+    pub lists: bool,
 }
 
 /// Something that runs a method's steps over batches and keeps the cells.

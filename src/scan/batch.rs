@@ -295,7 +295,7 @@ impl<'a> Tiles<'a> {
         }
         let chunks = match tiles.is_empty() {
             true => Vec::new(),
-            false => vec![ChunkList { place: [self.chunk[1], self.chunk[0]], tiles, entries }],
+            false => vec![ChunkList { place: [self.chunk[1], self.chunk[0]], tiles, entries, near: Vec::new() }],
         };
         Ok(Batch { chunks, scans, beams, centres: self.centres.concat(), ..Batch::default() })
     }

@@ -326,7 +326,7 @@ impl<'a> Run<'a> {
     ) -> Result<bool> {
         let numbers: Vec<u32> = cones.iter().map(|c| c.index).collect();
         let pairs = cones.iter().map(|c| binning.at_most(c)).sum::<usize>();
-        let batch = (cones.len() == 1 || pairs <= PAIRS).then(|| binning.bin(cones.clone()));
+        let batch = (cones.len() == 1 || pairs <= PAIRS).then(|| binning.sort(cones.clone(), limits.lists));
         let fits = match &batch {
             Some(batch) => !too_large(self.method, batch, steps.contains(&Step::Sum), limits, cones.len() == 1)?,
             None => false,

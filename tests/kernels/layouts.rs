@@ -42,6 +42,8 @@ fn rust_shapes() -> BTreeMap<String, Shape> {
         shape!(Cone: sensor reach axis left right flags index shape profile),
         shape!(Tile: corner entries slot spare),
         shape!(Entry: cone slot),
+        shape!(Near: cone part low high),
+        shape!(Lists: chunk size near segments how pad),
         shape!(Scan: pose first count number pad),
         shape!(Beam: bound ray range id),
         shape!(Shapes: fans lines weights number flags room),
@@ -96,7 +98,7 @@ fn element_types_agree() {
             checked += 1;
         }
     }
-    assert_eq!(checked, 35);
+    assert_eq!(checked, 45);
 }
 
 /// The value of every `const` of a module that is a plain number.
@@ -119,6 +121,10 @@ fn constants_agree() {
             ("CELL", f64::from(CELL)),
             ("DIRECTION", f64::from(DIRECTION)),
             ("TILE", TILE as f64),
+            ("CHUNK", CHUNK as f64),
+            ("BLOCK", BLOCK as f64),
+            ("BLOCKS", BLOCKS as f64),
+            ("SEGMENT", SEGMENT as f64),
             ("NO_ECHO", number(NO_ECHO)),
             ("LASER", number(LASER)),
             ("HALF_OPEN", number(HALF_OPEN)),
@@ -137,6 +143,8 @@ fn constants_agree() {
             ("ROUTINE", number(ROUTINE)),
             ("FREE_LIMIT", number(FREE_LIMIT)),
             ("ARC_LIMIT", number(ARC_LIMIT)),
+            ("AXIS", number(AXIS)),
+            ("ARCS", number(ARCS)),
             ("FREE", number(FREE)),
             ("OCCUPY", number(OCCUPY)),
             ("COUNT", number(COUNT)),
@@ -148,7 +156,7 @@ fn constants_agree() {
     let source = text("src/layout.rs");
     let mut names: BTreeSet<&str> =
         source.lines().filter_map(|l| Some(l.strip_prefix("pub const ")?.split_once(':')?.0)).collect();
-    for alone in ["TILE_CELLS", "CHUNK"] {
+    for alone in ["TILE_CELLS"] {
         assert!(names.remove(alone), "{alone} is gone from layout.rs");
     }
     assert_eq!(names, wanted.keys().map(String::as_str).collect());
@@ -264,9 +272,9 @@ fn twins_name_each_other() {
         }
     }
     // Each method's half, odds, and layout, cone, wide, int64, narrow, profile, order, region, tile, scan, update, and what
-    // passes bind.
+    // passes bind; stage, and what lists tiles: near, meets, tiles.
     let halves: BTreeSet<String> = method::REGISTRY.iter().map(half).collect();
-    assert_eq!(twins, halves.len() + 15);
+    assert_eq!(twins, halves.len() + 19);
     for half in halves {
         assert!(shaders.iter().any(|s| relative(s) == format!("shaders/method/{half}.wgsl")), "{half}");
     }

@@ -77,6 +77,26 @@ fn shapes_on_the_gpu() {
     }
 }
 
+/// What a hardware adapter gets: readings staged in workgroup memory, tiles told apart, lists made on the GPU; and each by itself.
+#[test]
+fn as_on_hardware() {
+    for (staged, lists, groups) in [(true, true, 1), (true, false, 2), (false, true, 4)] {
+        let options = Options { groups: Some(groups), staged: Some(staged), lists: Some(lists), ..Options::default() };
+        let Some(mut gpu) = open(options) else { return };
+        for (name, settings) in every_settings() {
+            let (method, scene) = (method::make(settings), first(log(settings), 900));
+            if method.cpu_only().is_some() {
+                continue;
+            }
+            let Some(usual) = scene.gpu(settings) else { return };
+            for batch in [BATCH, 70] {
+                let run = scene.run(method.as_ref(), &mut gpu, batch);
+                assert_same(&format!("{name}, staged {staged}, lists {lists}, batches of {batch}"), &run, &usual);
+            }
+        }
+    }
+}
+
 /// Timing the passes names each kind, changes nothing, and ends when it is asked for.
 #[test]
 fn timed_passes() {

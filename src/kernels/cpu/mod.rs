@@ -80,7 +80,7 @@ impl Backend for Cpu {
     }
 
     fn limits(&self) -> Limits {
-        Limits { readings: 1 << 24, entries: 1 << 27, parts: 1 << 27, turns: usize::MAX }
+        Limits { readings: 1 << 24, entries: 1 << 27, parts: 1 << 27, turns: usize::MAX, lists: false }
     }
 
     fn apply(

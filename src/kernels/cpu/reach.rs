@@ -1,4 +1,5 @@
-//! What a reading reaches of a tile: regions, distances and angles of its rows; twin of `shaders/driver/tile.wgsl`.
+//! What a reading reaches of a tile: regions, distances and angles of its rows; twin of `shaders/driver/tile.wgsl`
+//! and of `shaders/driver/stage.wgsl`.
 //!
 //! It is found row by row before the method updates row by row: two short chains of dependent operations, of which a
 //! processor has several under way, instead of one long one.

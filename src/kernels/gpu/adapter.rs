@@ -1,6 +1,7 @@
 //! Finding an adapter and opening its device.
 
 use crate::{Error, Result};
+use std::sync::OnceLock;
 
 /// What to say where there is no adapter.
 pub const REMEDY: &str = "install a GPU driver with Vulkan, or the software adapter (Debian and Ubuntu: apt-get install \
@@ -34,8 +35,10 @@ impl std::fmt::Display for Found {
     }
 }
 
-fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
+/// One for the process: a driver may give out no more than some tens.
+fn instance() -> &'static wgpu::Instance {
+    static INSTANCE: OnceLock<wgpu::Instance> = OnceLock::new();
+    INSTANCE.get_or_init(|| wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle()))
 }
 
 fn describe(adapter: &wgpu::Adapter) -> Found {

@@ -1,6 +1,7 @@
 //! The adapter's ceilings: three small kernels that only compute, or only copy.
 
 use super::device::Device;
+use super::shader::each;
 use crate::kernels::ceiling::{Ceilings, fastest};
 use crate::{Error, Result};
 
@@ -8,16 +9,20 @@ const FMA: &str = include_str!("../../../shaders/ceiling/fma.wgsl");
 const INT: &str = include_str!("../../../shaders/ceiling/int.wgsl");
 const COPY: &str = include_str!("../../../shaders/ceiling/copy.wgsl");
 
-/// Steps of a computing thread, and operations of a step: sixteen values, two each.
-const STEPS: f64 = 2048.0 * 32.0;
-/// Bytes that are copied.
-const BYTES: u64 = 64 << 20;
+/// Times that a computing thread's step stands in its loop: what the loop itself takes is to be little.
+const UNROLLED: u32 = 16;
+/// Operations of a computing thread: sixteen values, two each.
+const OPERATIONS: f64 = 128.0 * UNROLLED as f64 * 32.0;
+/// Bytes that are copied on hardware, more than its caches hold, and on a software adapter.
+const BYTES: [u64; 2] = [512 << 20, 64 << 20];
+/// Vectors that a thread copies.
+const COPIES: u64 = 8;
 /// Seconds that a measured submission should take at least: its start and its end cost some.
 const LONG: f64 = 0.02;
 
 /// Measures them.
 pub fn ceilings(device: &Device) -> Result<Ceilings> {
-    let bytes = BYTES.min(device.bindable() as u64);
+    let bytes = BYTES[usize::from(device.found.software)].min(device.bindable() as u64);
     let source = device.zeros("ceiling source", bytes);
     let sink = device.zeros("ceiling sink", bytes);
     let rate = |source_code: &str, groups: u32, work: f64| -> Result<f64> {
@@ -48,11 +53,11 @@ pub fn ceilings(device: &Device) -> Result<Ceilings> {
     };
     let groups = device.found.workgroups.min(4096);
     let threads = f64::from(groups) * 64.0;
-    let copied = ((bytes / 16 / 64) as u32).min(device.found.workgroups);
+    let copied = ((bytes / 16 / 64 / COPIES) as u32).min(device.found.workgroups);
     Ok(Ceilings {
-        flop: rate(FMA, groups, threads * STEPS)?,
-        int: rate(INT, groups, threads * STEPS)?,
-        bytes: rate(COPY, copied, f64::from(copied) * 64.0 * 32.0)?,
+        flop: rate(FMA, groups, threads * OPERATIONS)?,
+        int: rate(INT, groups, threads * OPERATIONS)?,
+        bytes: rate(COPY, copied, f64::from(copied) * 64.0 * 32.0 * COPIES as f64)?,
     })
 }
 
@@ -60,7 +65,7 @@ fn pipeline(device: &Device, source: &str) -> Result<wgpu::ComputePipeline> {
     let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("ceiling"),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
+        source: wgpu::ShaderSource::Wgsl(each(source, UNROLLED).into()),
     });
     let kind = |read_only| wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Storage { read_only },

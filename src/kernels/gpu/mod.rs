@@ -3,17 +3,19 @@
 pub mod adapter;
 mod ceiling;
 mod device;
+pub mod lists;
 mod pass;
 mod timer;
 pub mod shader;
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
 use crate::batch::{Batch, ChunkList};
-use crate::layout::{CHUNK, Cone, Entry, Frame, Tile};
+use crate::layout::{CHUNK, Cone, Entry, Frame, TILE_CELLS, Tile};
 use crate::method::{self, Method, Step, Unit};
 use crate::{Error, Result};
 use adapter::Found;
 use device::Device;
+use lists::{Listed, Lister};
 use pass::{Needs, Passes, key};
 use shader::Kernel;
 use std::collections::BTreeMap;
@@ -33,6 +35,11 @@ pub struct Options {
     /// How many times four cells a thread owns, 1 to 16, rounded up to a power of two; `None`: what suits the adapter's class.
     /// Results don't depend on it.
     pub groups: Option<u32>,
+    /// Whether kernels stage readings in workgroup memory and tell tiles apart; `None`: what suits the adapter's class. Results don't
+    /// depend on it.
+    pub staged: Option<bool>,
+    /// Whether the GPU lists tiles itself; `None`: what suits the adapter's class. Results don't depend on it.
+    pub lists: Option<bool>,
 }
 
 /// The GPU backend.
@@ -43,13 +50,19 @@ pub struct Gpu {
     /// The batch before, still under way: the host bins the next one meanwhile, and only two are held.
     pending: Option<wgpu::SubmissionIndex>,
     timer: Option<Timer>,
+    lister: Option<Lister>,
+    lists: bool,
 }
 
-/// A tile's part of a reading's sum: a number for each group of four cells.
-const PART_BYTES: usize = 64 * size_of::<f32>();
+/// A tile's part of a reading's sum.
+pub(crate) const PART_BYTES: usize = size_of::<f32>();
 
-/// How often a software adapter's thread may go round its loops: a little less than Mesa's 65535.
-const SOFTWARE_TURNS: usize = 65_000;
+/// Bytes that the cells of a chunk take at most, of a method that takes readings.
+const LARGEST_CHUNK: u64 = 32 * (CHUNK * CHUNK * TILE_CELLS) as u64;
+
+/// How often a software adapter's thread may go round the loop over a tile's entries: with what it goes round for each stage of
+/// sixteen, six times at most, a little less than Mesa's 65535.
+const SOFTWARE_TURNS: usize = 45_000;
 
 /// A chunk's buffers for one batch, or, where an adapter doesn't bind all of its cells at once, those of some of its tiles.
 struct ChunkBuffers {
@@ -84,7 +97,10 @@ impl Gpu {
 
     fn on(device: Device, options: &Options) -> Gpu {
         let passes = Passes::new(&device, options);
-        Gpu { device, passes, chunks: BTreeMap::new(), pending: None, timer: None }
+        // The lists of any method's chunk must fit into one binding.
+        let able = device.found.binding >= LARGEST_CHUNK && device.found.workgroups as usize >= CHUNK * CHUNK;
+        let lists = able && options.lists.unwrap_or(!device.found.software);
+        Gpu { device, passes, chunks: BTreeMap::new(), pending: None, timer: None, lister: None, lists }
     }
 
     /// The adapter.
@@ -92,9 +108,17 @@ impl Gpu {
         &self.device.found
     }
 
-    fn upload(&self, method: &dyn Method, batch: &Batch, sums: bool, shares_so_far: &Shares) -> BatchBuffers {
+    /// Uploads a batch, and records what lists its tiles where that is left to the GPU.
+    fn upload(
+        &self,
+        (encoder, timer): (&mut wgpu::CommandEncoder, &mut Option<Timer>),
+        (method, frame, steps): (&dyn Method, Frame, &[Step]),
+        batch: &Batch,
+        shares_so_far: &Shares,
+    ) -> BatchBuffers {
         let input = Usage::STORAGE | Usage::COPY_DST;
         let device = &self.device;
+        let sums = steps.contains(&Step::Sum);
         let slots = batch.first_part.last().copied().unwrap_or(0) as usize;
         let parts = if sums { slots * PART_BYTES } else { batch.cones.len() * size_of::<u32>() };
         let (tile, slots) = ((method::tile_words(method) * size_of::<u32>()) as u64, self.slots(method) as u32);
@@ -110,12 +134,24 @@ impl Gpu {
                 cells: (u64::from(first) * tile, u64::from(slots) * tile),
             }
         };
-        let chunk = |list| (0..(CHUNK * CHUNK) as u32).step_by(slots as usize).map(move |first| part(list, first));
+        let cones = match method.unit() {
+            Unit::Scan => device.buffer("scans", &batch.scans, input),
+            Unit::Reading | Unit::Update => device.buffer("cones", &batch.cones, input),
+        };
+        let all = (CHUNK * CHUNK) as u32;
+        let arcs = steps.iter().any(|s| matches!(s, Step::Share | Step::Tally));
+        let mut chunk = |list: &ChunkList| match &self.lister {
+            Some(lister) if !list.near.is_empty() => {
+                let how = Lister::how(&frame, list, method.footprint(), arcs);
+                let stamps = timer.as_mut().and_then(|t| t.writes("list"));
+                let Listed { tiles, entries } = lister.record(device, encoder, (&cones, list, how), stamps);
+                let cells = (0, u64::from(all) * tile);
+                vec![ChunkBuffers { tiles, entries, groups: all, place: [list.place[1], list.place[0]], cells }]
+            }
+            _ => (0..all).step_by(slots as usize).map(|first| part(list, first)).filter(|c| c.groups > 0).collect(),
+        };
         BatchBuffers {
-            cones: match method.unit() {
-                Unit::Scan => device.buffer("scans", &batch.scans, input),
-                Unit::Reading | Unit::Update => device.buffer("cones", &batch.cones, input),
-            },
+            chunks: batch.chunks.iter().flat_map(&mut chunk).collect(),
             parts: device.zeros("parts", parts as u64),
             shares: match method.unit() {
                 Unit::Reading => device.buffer("shares", shares_so_far, input | Usage::COPY_SRC),
@@ -127,7 +163,7 @@ impl Gpu {
                 Unit::Scan => device.buffer("beams", &batch.beams, input),
                 Unit::Update => device.buffer("points", &batch.points, input),
             },
-            chunks: batch.chunks.iter().flat_map(chunk).filter(|c| c.groups > 0).collect(),
+            cones,
         }
     }
 
@@ -182,7 +218,8 @@ impl Backend for Gpu {
             readings: (bindable / size_of::<Cone>()).min(64 * self.found().workgroups as usize),
             entries: bindable / size_of::<Entry>(),
             parts: bindable / PART_BYTES,
-            turns: if self.found().software { SOFTWARE_TURNS } else { usize::MAX },
+            turns: if self.found().software && !self.lists { SOFTWARE_TURNS } else { usize::MAX },
+            lists: self.lists,
         }
     }
 
@@ -211,8 +248,12 @@ impl Backend for Gpu {
             }
         }
         shares_so_far.resize(batch.cones.len(), [0; 4]);
-        let buffers = self.upload(method, batch, steps.contains(&Step::Sum), shares_so_far);
-        let mut encoder = self.device.encoder();
+        if self.lister.is_none() && batch.chunks.iter().any(|c| !c.near.is_empty()) {
+            self.lister = Some(Lister::new(&self.device)?);
+        }
+        let (mut encoder, mut timer) = (self.device.encoder(), self.timer.take());
+        let buffers = self.upload((&mut encoder, &mut timer), (method, frame, steps), batch, shares_so_far);
+        self.timer = timer;
         let mut record = |encoder: &mut _, kernel: Kernel, frame: Frame, chunk: &ChunkBuffers, groups| {
             let Some(state) = self.chunks.get(&chunk.place) else { return };
             let frame = self.device.buffer("frame", &[frame], Usage::UNIFORM);

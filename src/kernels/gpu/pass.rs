@@ -38,6 +38,15 @@ pub fn key(method: &dyn Method, kernel: Kernel, needs: Needs) -> Key {
     (method::name(method), kernel, needs, method.variant().is_some_and(|v| v.1), method.declarations())
 }
 
+/// The WGSL overrides of a kernel, with their values.
+fn overrides(method: &dyn Method, kernel: Kernel, needs: Needs, staged: bool) -> impl Iterator<Item = (&'static str, bool)> {
+    let (unit, looks) = (method.unit(), kernel != Kernel::Sum);
+    let variant = method.variant().filter(|_| looks);
+    let broad = (unit != Unit::Scan && looks).then_some(("BROAD_BEAMS", needs.broad));
+    let lists = (unit == Unit::Reading && looks).then_some([("STAGED", staged), ("TOLD_APART", staged && !needs.wide)]);
+    variant.into_iter().chain(broad).chain(lists.into_iter().flatten())
+}
+
 /// The pipelines, and the one layout of their bindings.
 pub struct Passes {
     layout: wgpu::BindGroupLayout,
@@ -91,10 +100,8 @@ impl Passes {
         for (from, to) in &self.options.patches {
             source = source.replace(from, to);
         }
-        let cones = method.unit() != Unit::Scan;
-        let overrides = method.variant().into_iter().chain(cones.then_some(("BROAD_BEAMS", needs.broad)));
-        let constants: Vec<_> =
-            overrides.filter(|_| kernel != Kernel::Sum).map(|(name, on)| (name, f64::from(on))).collect();
+        let staged = self.options.staged.unwrap_or(!device.found.software);
+        let constants: Vec<_> = overrides(method, kernel, needs, staged).map(|(name, on)| (name, f64::from(on))).collect();
         let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(&label),
@@ -110,7 +117,11 @@ impl Passes {
             layout: Some(&layout),
             module: &module,
             entry_point: Some(kernel.name()),
-            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &constants,
+                // What is read was written before.
+                zero_initialize_workgroup_memory: false,
+            },
             cache: None,
         });
         if let Some(e) = pollster::block_on(scope.pop()) {

@@ -16,6 +16,7 @@ const UPDATES: &str = include_str!("../../../shaders/driver/updates.wgsl");
 const REGION: &str = include_str!("../../../shaders/update/region.wgsl");
 const UPDATE: &str = include_str!("../../../shaders/driver/update.wgsl");
 const TILE: &str = include_str!("../../../shaders/driver/tile.wgsl");
+const STAGE: &str = include_str!("../../../shaders/driver/stage.wgsl");
 const FUSE: &str = include_str!("../../../shaders/driver/fuse.wgsl");
 const WEIGH: &str = include_str!("../../../shaders/driver/weigh.wgsl");
 const COUNT: &str = include_str!("../../../shaders/driver/count.wgsl");
@@ -76,12 +77,12 @@ pub fn source(method: &dyn Method, kernel: Kernel, wide: bool, groups: u32) -> S
         Kernel::Fuse => FUSE,
         Kernel::Sum => return [LAYOUT, READINGS, SUM].join("\n"),
     };
-    [LAYOUT, READINGS, CONE, &reach, PROFILE, half, &threads, TILE, &each(driver, groups)].join("\n")
+    [LAYOUT, READINGS, CONE, &reach, PROFILE, half, &threads, TILE, STAGE, &each(driver, groups)].join("\n")
 }
 
 /// Writes the lines between `// each GROUP` and `// end` once for each group: loops over arrays that a thread owns end up
 /// in memory where a compiler doesn't unroll them.
-fn each(driver: &str, groups: u32) -> String {
+pub(super) fn each(driver: &str, groups: u32) -> String {
     let (mut text, mut block) = (String::new(), None::<Vec<&str>>);
     for line in driver.split_inclusive('\n') {
         match (line.trim(), &mut block) {

@@ -1,6 +1,7 @@
 //! A lane on the page's own GPU: the project's WGSL, the packed batches, and what came of them held against the CPU's cells.
 
 use super::lane::Lane;
+use crate::kernels::gpu::PART_BYTES;
 use crate::kernels::gpu::shader::{self, Kernel};
 use crate::kernels::{self, Chunks};
 use crate::layout::{CHUNK, Frame, TILE, TILE_CELLS};
@@ -13,8 +14,6 @@ use serde_json::{Map, Value, json};
 
 /// Items in a batch at most.
 const MOST: usize = 4096;
-/// A tile's part of a reading's sum, bytes ([`crate::kernels::gpu`]).
-const PART_BYTES: usize = 64 * 4;
 
 fn kernel(pass: Pass) -> Kernel {
     pass.into()
