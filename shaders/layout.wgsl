@@ -4,9 +4,9 @@ const CELL: i32 = 32;
 const DIRECTION: i32 = 8192;
 const TILE: u32 = 16u;
 const CHUNK: u32 = 64u;
-const BLOCK: u32 = 8u;
-const BLOCKS: u32 = 8u;
-const SEGMENT: u32 = 1024u;
+const BLOCK: u32 = 4u;
+const BLOCKS: u32 = 16u;
+const SEGMENT: u32 = 4096u;
 
 const NO_ECHO: u32 = 1u;
 const LASER: u32 = 2u;

@@ -18,6 +18,9 @@ use shape::{Extremes, Shape};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+/// (Cone, tile) pairs that a batch may come to: they are what its memory goes into.
+pub const PAIRS: usize = 1 << 22;
+
 /// A chunk's share of a batch.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ChunkList {
@@ -108,6 +111,20 @@ struct Run {
 }
 
 impl Binning {
+    /// Snaps items, and bins their cones, or, for a backend that `lists` tiles itself, sorts them by chunk; what has no cone is left
+    /// out. `None`: they come to more than [`PAIRS`], and there are several.
+    pub fn of<T: Sync>(&self, items: &[T], snap: impl Fn(&T) -> Option<Cone> + Sync, lists: bool) -> Option<Batch> {
+        let fits = |pairs: usize| items.len() == 1 || pairs <= PAIRS;
+        if lists && let Some(batch) = self.near(items, &snap) {
+            return fits(batch.chunks.iter().map(ChunkList::pairs).sum()).then_some(batch);
+        }
+        // Each snapped reading, and how many tiles it reaches at most.
+        let snap = |item| snap(item).map(|cone| (self.at_most(&cone), cone));
+        let snapped: Vec<_> = items.par_iter().with_min_len(256).map(snap).collect();
+        let pairs = snapped.iter().flatten().map(|s| s.0).sum();
+        fits(pairs).then(|| self.bin(snapped.into_iter().flatten().map(|s| s.1).collect()))
+    }
+
     /// Tiles along x and y.
     fn tiles(&self) -> [i64; 2] {
         self.size.map(|s| s.div_ceil(TILE) as i64)

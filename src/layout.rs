@@ -16,11 +16,11 @@ pub const TILE_CELLS: usize = TILE * TILE;
 /// Tiles along a chunk's edge: a chunk of 1024 × 1024 cells is the unit of residence.
 pub const CHUNK: usize = 64;
 /// Tiles along a block's edge: where a GPU lists tiles itself, cones are sorted into blocks first.
-pub const BLOCK: usize = 8;
+pub const BLOCK: usize = 4;
 /// Blocks along a chunk's edge.
 pub const BLOCKS: usize = CHUNK / BLOCK;
 /// Cones that are sorted into blocks together.
-pub const SEGMENT: usize = 1024;
+pub const SEGMENT: usize = 4096;
 
 /// Cone flag: no echo came; the arc does not count.
 pub const NO_ECHO: u32 = 1;

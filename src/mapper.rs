@@ -18,9 +18,6 @@ pub type Item = (Reading, Option<Edges>);
 /// Readings that a batch holds by default: enough to fill any machine, few enough to bin in little memory.
 pub const BATCH: usize = 65_536;
 
-/// (Cone, tile) pairs that a batch may come to: they are what its memory goes into.
-pub const PAIRS: usize = 1 << 22;
-
 /// Maps readings, batch by batch.
 pub struct Mapper<'a> {
     grid: GridSpec,
@@ -115,15 +112,9 @@ impl<'a> Mapper<'a> {
             only: None,
         };
         let (grid, sensors, method, lists) = (&self.grid, self.sensors, self.method, self.backend.limits().lists);
+        let snap = |item: &Item| snap_item(grid, sensors, method, item);
         // Once into the pool for all of it: its threads are slow to wake.
-        let batch = rayon::scope(|_| {
-            // Each snapped reading, and how many tiles it reaches at most.
-            let snap = |item| snap_item(grid, sensors, method, item).map(|cone| (binning.at_most(&cone), cone));
-            let snapped: Vec<_> = items.par_iter().with_min_len(256).map(snap).collect();
-            let pairs = snapped.iter().flatten().map(|s| s.0).sum::<usize>();
-            let fits = items.len() == 1 || pairs <= PAIRS;
-            fits.then(|| binning.sort(snapped.into_iter().flatten().map(|s| s.1).collect(), lists))
-        });
+        let batch = rayon::scope(|_| binning.of(items, snap, lists));
         let Some(batch) = batch else { return self.halves(sweep, items) };
         let misses = (items.len() - batch.cones.len()) as u64;
         self.work.binning_us += started.elapsed().as_micros() as u64;

@@ -1,8 +1,8 @@
 //! What a run will need, checked before it is taken.
 
+use crate::batch::PAIRS;
 use crate::grid::GridSpec;
 use crate::layout::{CHUNK, TILE};
-use crate::mapper::PAIRS;
 use crate::method::{self, Method, Unit};
 use crate::{Error, Result};
 

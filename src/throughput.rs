@@ -159,8 +159,7 @@ const ENTRY_BYTES: u64 = (size_of::<Entry>() + size_of::<Cone>()) as u64;
 /// What the lists of a workload's readings hold, whoever makes them.
 fn listed(workload: &Workload, method: &dyn Method) -> Result<Work> {
     let mut dry = Dry::default();
-    let mut mapper =
-        Mapper::new(workload.grid, &workload.sensors, method, &mut dry, mapper::BATCH).without_counts();
+    let mut mapper = Mapper::new(workload.grid, &workload.sensors, method, &mut dry, mapper::BATCH).without_counts();
     for sweep in 0..method.sweeps().len() {
         mapper.sweep(sweep, workload.readings.iter().map(|r| Ok((*r, None))))?;
     }

@@ -35,7 +35,7 @@ fn flags_of(box: Near, at: vec2<u32>) -> u32 {
 var<workgroup> listed: atomic<u32>;
 
 // A workgroup a tile.
-@compute @workgroup_size(64)
+@compute @workgroup_size(WORKERS)
 fn measure(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let slot = group.x;
     let at = vec2<u32>(slot % CHUNK, slot / CHUNK);
@@ -46,7 +46,7 @@ fn measure(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     var count = 0u;
     for (var segment = 0u; segment < lists.segments; segment++) {
         let block = segment * BLOCKS * BLOCKS + block_of(at);
-        for (var k = lane; k < counts[block]; k += 64u) {
+        for (var k = lane; k < counts[block]; k += WORKERS) {
             count += select(0u, 1u, flags_of(near[blocks[block * SEGMENT + k]], at) != 0u);
         }
     }
@@ -86,8 +86,8 @@ fn place(@builtin(local_invocation_index) lane: u32) {
     }
 }
 
-// A workgroup a tile, a thread a cone of 64 at a time.
-@compute @workgroup_size(64)
+// A workgroup a tile, a thread a cone of WORKERS at a time.
+@compute @workgroup_size(WORKERS)
 fn list(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let slot = group.x;
     let at = vec2<u32>(slot % CHUNK, slot / CHUNK);
@@ -97,7 +97,7 @@ fn list(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var segment = 0u; segment < lists.segments; segment++) {
         let block = segment * BLOCKS * BLOCKS + block_of(at);
         let count = counts[block];
-        for (var k = 0u; k < count; k += 64u) {
+        for (var k = 0u; k < count; k += WORKERS) {
             var box: Near;
             var flags = 0u;
             if k + lane < count {

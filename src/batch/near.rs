@@ -5,61 +5,69 @@ use crate::layout::{CHUNK, Cone, NO_ECHO, Near, WIDE};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// What a run of readings is near, by row and column of the chunk; and where each reading's parts begin in the run.
+/// A run of cones, what they are near by row and column of the chunk, and where each one's parts begin; all counted from the run's
+/// first.
 #[derive(Default)]
 struct Run {
+    cones: Vec<Cone>,
     chunks: BTreeMap<[u32; 2], Vec<Near>>,
     first_part: Vec<u32>,
     parts: u32,
 }
 
 impl Binning {
-    /// Bins snapped readings, or, for a backend that `lists` tiles itself, sorts them by chunk alone. It does so in 32 bits: where a
-    /// reading reaches farther than 1024 cells, they are binned here.
-    pub fn sort(&self, cones: Vec<Cone>, lists: bool) -> Batch {
-        if lists && cones.iter().all(|c| c.flags & WIDE == 0) { self.near(cones) } else { self.bin(cones) }
-    }
-
-    /// Sorts snapped readings by chunk, in log order, tiles left to the backend. A part stands for each tile of a cone's box, chunk by
-    /// chunk and in each tile row by tile row: those of tiles off the arc stay 0, which changes no sum.
-    pub fn near(&self, mut cones: Vec<Cone>) -> Batch {
-        let run = cones.len().div_ceil(4 * rayon::current_num_threads()).max(64);
-        let run_of = |(n, cones): (usize, &mut [Cone])| self.near_run((n * run) as u32, cones);
-        let runs: Vec<Run> = cones.par_chunks_mut(run).enumerate().map(run_of).collect();
-        let mut first_part = Vec::with_capacity(cones.len() + 1);
+    /// Snaps items and sorts their cones by chunk, in log order, tiles left to the backend, in one go over all threads; what has no
+    /// cone is left out. A part stands for each tile of a cone's box, chunk by chunk and in each tile row by tile row: those of tiles
+    /// off the arc stay 0, which changes no sum.
+    ///
+    /// `None`: a reading reaches farther than 1024 cells, but backends list tiles in 32 bits.
+    pub fn near<T: Sync>(&self, items: &[T], snap: impl Fn(&T) -> Option<Cone> + Sync) -> Option<Batch> {
+        let run = items.len().div_ceil(4 * rayon::current_num_threads()).max(64);
+        let runs: Vec<Run> = items.par_chunks(run).map(|items| self.near_run(items.iter().filter_map(&snap))).collect();
+        let count = runs.iter().map(|r| r.cones.len()).sum();
+        let mut batch = Batch { cones: Vec::with_capacity(count), ..Batch::default() };
+        batch.first_part.reserve(count + 1);
         let mut places: BTreeMap<[u32; 2], Vec<Near>> = BTreeMap::new();
-        let mut before = 0;
+        let (mut parts, mut flags) = (0, 0);
         for run in runs {
-            first_part.extend(run.first_part.iter().map(|p| p + before));
+            let cones = batch.cones.len() as u32;
+            batch.first_part.extend(run.first_part.iter().map(|p| p + parts));
             for (place, near) in run.chunks {
-                let moved = near.into_iter().map(|n| Near { part: n.part + before, ..n });
+                let moved = near.into_iter().map(|n| Near { cone: n.cone + cones, part: n.part + parts, ..n });
                 places.entry(place).or_default().extend(moved);
             }
-            before += run.parts;
+            flags |= run.cones.iter().fold(0, |flags, c| flags | c.flags);
+            batch.cones.extend(run.cones.iter().map(|c| Cone { index: c.index + cones, ..*c }));
+            parts += run.parts;
         }
-        first_part.push(before);
-        let chunks = places
-            .into_iter()
-            .map(|([row, column], near)| ChunkList { place: [column, row], near, ..ChunkList::default() })
-            .collect();
-        Batch { chunks, cones, first_part, ..Batch::default() }
+        if flags & WIDE != 0 {
+            return None;
+        }
+        batch.first_part.push(parts);
+        let list = |([row, column], near): ([u32; 2], Vec<Near>)| {
+            let place = [column, row];
+            ChunkList { place, near, ..ChunkList::default() }
+        };
+        batch.chunks = places.into_iter().map(list).collect();
+        Some(batch)
     }
 
-    /// What some readings are near, of which the first is the batch's `first`.
-    fn near_run(&self, first: u32, cones: &mut [Cone]) -> Run {
+    /// What some readings are near.
+    fn near_run(&self, cones: impl Iterator<Item = Cone>) -> Run {
         let mut run = Run::default();
-        for (index, cone) in (first..).zip(cones) {
-            cone.index = index;
+        for (index, cone) in (0..).zip(cones) {
+            run.cones.push(Cone { index, ..cone });
             run.first_part.push(run.parts);
-            let shape = Shape::of(cone, self.footprint);
-            let spans = self.spans(cone, &shape);
+            let shape = Shape::of(&cone, self.footprint);
+            let spans = self.spans(&cone, &shape);
             let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
-            for place in self.chunks_of_shape(cone, &shape) {
+            for place in self.chunks_of_shape(&cone, &shape) {
                 let [rows, columns] = self.within(spans.clone(), place);
                 let tile = |at: i64, k: usize| (at - i64::from(place[k]) * CHUNK as i64) as u32;
                 let low = [tile(columns.start, 0), tile(rows.start, 1)];
                 let high = [tile(columns.end, 0), tile(rows.end, 1)];
-                run.chunks.entry([place[1], place[0]]).or_default().push(Near { cone: index, part: run.parts, low, high });
+                let near = Near { cone: index, part: run.parts, low, high };
+                run.chunks.entry([place[1], place[0]]).or_default().push(near);
                 run.parts += if arcs { (high[0] - low[0]) * (high[1] - low[1]) } else { 0 };
             }
         }

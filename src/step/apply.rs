@@ -3,12 +3,13 @@
 use super::Items;
 use super::cells::{Tiles, tile_at};
 use crate::Result;
+use crate::batch::PAIRS;
 use crate::batch::{Batch, Binning};
 use crate::feature::Update;
 use crate::kernels::Backend;
 use crate::kernels::cpu::Cpu;
 use crate::layout::Cone;
-use crate::mapper::{Item, PAIRS, frame, snap_item};
+use crate::mapper::{Item, frame, snap_item};
 use crate::method::{Step, tile_words};
 use crate::session::Session;
 use crate::update::{Bins, Snapped, snapped};

@@ -3,10 +3,11 @@
 
 use super::cells::{Tiles, place, tile_at};
 use crate::Result;
+use crate::batch::PAIRS;
 use crate::kernels::Backend;
 use crate::kernels::cpu::Cpu;
 use crate::layout::CHUNK;
-use crate::mapper::{PAIRS, frame};
+use crate::mapper::frame;
 use crate::method::settings::Csm;
 use crate::method::tile_words;
 use crate::scan::{Index, Most, Scan, Store, Tiles as Listing, snap};

@@ -11,11 +11,12 @@ pub use region::{Rows, SPOT, in_fan, on_lines};
 pub use snap::{FARTHEST, Snapped, check, snapped};
 
 use crate::Result;
+use crate::batch::PAIRS;
 use crate::feature::{Case, Routine, Update};
 use crate::grid::GridSpec;
 use crate::kernels::Backend;
 use crate::layout::Cone;
-use crate::mapper::{PAIRS, Work, frame, too_large};
+use crate::mapper::{Work, frame, too_large};
 use crate::method::Method;
 use crate::reading::{Counts, Reading};
 use crate::sensor::Sensor;

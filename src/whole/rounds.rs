@@ -6,7 +6,7 @@ use crate::batch::{Batch, Binning};
 use crate::kernels::{Backend, Chunks, Limits, Shares, shares};
 use crate::layers;
 use crate::layout::Cone;
-use crate::mapper::{Finished, PAIRS, count, frame, snap_item, too_large};
+use crate::mapper::{Finished, count, frame, snap_item, too_large};
 use crate::method::settings::Settings;
 use crate::method::{Method, Step, Steps};
 use crate::reading::Counts;
@@ -325,8 +325,7 @@ impl<'a> Run<'a> {
         give: &mut dyn FnMut(Ready) -> bool,
     ) -> Result<bool> {
         let numbers: Vec<u32> = cones.iter().map(|c| c.index).collect();
-        let pairs = cones.iter().map(|c| binning.at_most(c)).sum::<usize>();
-        let batch = (cones.len() == 1 || pairs <= PAIRS).then(|| binning.sort(cones.clone(), limits.lists));
+        let batch = binning.of(&cones, |cone| Some(*cone), limits.lists);
         let fits = match &batch {
             Some(batch) => !too_large(self.method, batch, steps.contains(&Step::Sum), limits, cones.len() == 1)?,
             None => false,

@@ -3,9 +3,10 @@
 use super::{EDGE, Place};
 use crate::Result;
 use crate::batch::Batch;
+use crate::batch::PAIRS;
 use crate::grid::GridSpec;
 use crate::kernels::{Backend, Limits};
-use crate::mapper::{PAIRS, Work, frame};
+use crate::mapper::{Work, frame};
 use crate::method::Method;
 use crate::method::settings::Csm;
 use crate::scan::{Index, Most, Scan, Store, Tiles, micrometres, snap};

@@ -1,8 +1,9 @@
 //! Faults seeded into the WGSL: the comparison must reject each one. A test that can't fail proves nothing.
 
-use crate::common::{Scene, against_oracle, gpu, kernels_of, patched_gpu, settings};
+use crate::common::{Scene, against_oracle, gpu, kernels_of, open, patched_gpu, settings};
 use crate::scenes;
 use echogrid::compare::{self, compare};
+use echogrid::kernels::gpu::Options;
 use echogrid::kernels::gpu::shader::source;
 use echogrid::log::{self, Writer};
 use echogrid::mapper::BATCH;
@@ -32,6 +33,11 @@ fn few() -> Scene {
 
 const SCANS: &[&str] = &["csm-discrete-all", "csm-continuous", "csm-semantic-continuous"];
 const UPDATES: &[&str] = &["features"];
+
+/// The loop over a stage's entries, and one that leaves out the last of a tile's.
+const LAST: &str = "for (var k = first; k < end; k++) {\n            let entry";
+const BUT_LAST: &str =
+    "for (var k = first; k + select(0u, 1u, end == tile.entries.y) < end; k++) {\n            let entry";
 const NEAREST: &[&str] = &["csm-discrete", "csm-continuous", "csm-semantic-continuous"];
 
 const FAULTS: &[Fault] = &[
@@ -58,44 +64,38 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "hit and miss are swapped",
-        from: "fuse_cells(cone, row_0, share, &cells_0);",
-        to: "let freed = row_0.interior; row_0.interior = row_0.arc; row_0.arc = freed; \
-             fuse_cells(cone, row_0, share, &cells_0);",
+        from: "fuse_cells(cone, row, share, cells);",
+        to: "var swapped = row; swapped.interior = row.arc; swapped.arc = row.interior; \
+             fuse_cells(cone, swapped, share, cells);",
         methods: ALL,
         scene: few,
     },
     Fault {
         what: "hit and miss are counted swapped",
-        from: "* THREADS] += interior_0;\n    state[at + 0 * THREADS + 64u] += arc_0;",
-        to: "* THREADS] += arc_0;\n    state[at + 0 * THREADS + 64u] += interior_0;",
+        from: "* THREADS] += counts_0[0];\n    state[at + 0 * THREADS + 64u] += counts_0[1];",
+        to: "* THREADS] += counts_0[1];\n    state[at + 0 * THREADS + 64u] += counts_0[0];",
         methods: &["certainty", "bayes", "himm"],
         scene: few,
     },
     Fault {
         what: "hits and passes are swapped",
-        from: "* THREADS] += interior_0;\n    state[at + 0 * THREADS + 64u] += arc_0;",
-        to: "* THREADS] += arc_0;\n    state[at + 0 * THREADS + 64u] += interior_0;",
+        from: "* THREADS] += counts_0[0];\n    state[at + 0 * THREADS + 64u] += counts_0[1];",
+        to: "* THREADS] += counts_0[1];\n    state[at + 0 * THREADS + 64u] += counts_0[0];",
         methods: &["truth"],
         scene: scenes::fans,
     },
+    Fault { what: "the last reading of a tile is dropped", from: LAST, to: BUT_LAST, methods: ALL, scene: few },
     Fault {
         what: "the last reading of a tile is dropped",
-        from: "k < tile.entries.y; k++",
-        to: "k + 1u < tile.entries.y; k++",
-        methods: ALL,
-        scene: few,
-    },
-    Fault {
-        what: "the last reading of a tile is dropped",
-        from: "k < tile.entries.y; k++",
-        to: "k + 1u < tile.entries.y; k++",
+        from: LAST,
+        to: BUT_LAST,
         methods: &["truth"],
         scene: scenes::fans,
     },
     Fault {
         what: "readings come in reverse order",
-        from: "let entry = entries[k];",
-        to: "let entry = entries[tile.entries.y - 1u - (k - tile.entries.x)];",
+        from: "let cone = cone_at(k, first);\n            let share",
+        to: "let cone = cones[entries[tile.entries.y - 1u - (k - tile.entries.x)].cone >> ENTRY_SHIFT];\n            let share",
         methods: &["certainty", "himm"],
         scene: few,
     },
@@ -115,16 +115,16 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "the sums are of evidence that was not cancelled",
-        from: "part_0 = weigh_cells(cone, row_0, &cells_0);",
-        to: "var fresh = cells_0; fresh.open = vec4<f32>(1.0); part_0 = weigh_cells(cone, row_0, &fresh); \
-             let kept = weigh_cells(cone, row_0, &cells_0);",
+        from: "let part = weigh_cells(cone, row, cells);",
+        to: "var fresh = *cells; fresh.open = vec4<f32>(1.0); let part = weigh_cells(cone, row, &fresh); \
+             let kept = weigh_cells(cone, row, cells);",
         methods: &["certainty", "certainty-batch"],
         scene: few,
     },
     Fault {
         what: "the sums are cancelled by the emptiness before the batch",
-        from: "part_0 = weigh_cells(cone, row_0, &cells_0);",
-        to: "var old = cells_0; part_0 = weigh_cells(cone, row_0, &old);",
+        from: "let part = weigh_cells(cone, row, cells);",
+        to: "var old = *cells; let part = weigh_cells(cone, row, &old);",
         methods: &["certainty"],
         scene: few,
     },
@@ -137,8 +137,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "a row of the evidence is left out",
-        from: "for (var at = k * 64u; at",
-        to: "for (var at = k * 64u + 4u; at",
+        from: "let columns = held[at] + held[at + 1u]",
+        to: "let columns = held[at + 1u]",
         methods: &["certainty", "certainty-batch"],
         scene: few,
     },
@@ -299,8 +299,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "products are left to vanish",
-        from: "% 16u == 15u",
-        to: "% 16u == 77u",
+        from: "fn settle(cells: ptr<function, Cells>) {\n    let occupied",
+        to: "fn settle(cells: ptr<function, Cells>) {\n    if true {\n        return;\n    }\n    let occupied",
         methods: &["bayes"],
         scene: scenes::parked,
     },
@@ -653,7 +653,7 @@ fn every_seeded_fault_is_rejected() {
 #[test]
 fn cpu_against_gpu_sees_a_fault() {
     let scene = few();
-    let Some(mut patched) = patched_gpu(&[("k < tile.entries.y; k++", "k + 1u < tile.entries.y; k++")]) else { return };
+    let Some(mut patched) = patched_gpu(&[(LAST, BUT_LAST)]) else { return };
     for name in ALL {
         let settings = settings(name);
         let run = scene.run(method::make(settings).as_ref(), &mut patched, BATCH);
@@ -705,7 +705,7 @@ fn verify_rejects_faults() {
     std::fs::write(&path, writer.finish().unwrap()).unwrap();
     for (what, from, to) in [
         ("nothing", "", ""),
-        ("a dropped reading", "k < tile.entries.y; k++", "k + 1u < tile.entries.y; k++"),
+        ("a dropped reading", LAST, BUT_LAST),
         ("an arc cut short", "(d2 <= vec4<i32>(outer))", "(d2 <= vec4<i32>(outer - outer / 50))"),
         ("a wrong product", "to_one(cells.clear)", "to_one(cells.clear * 0.999)"),
     ] {
@@ -735,4 +735,66 @@ fn verify_rejects_faults() {
             assert!(named, "{what}: no cell is named: {check:?}");
         }
     }
+}
+
+/// What only hardware runs is held against the oracle as well: faults in stages, and in tiles told apart.
+#[test]
+fn faults_of_hardware_kernels_are_seen() {
+    let faults = [
+        (
+            "a stage's readings are shifted",
+            "staged_cones[k - first] = cone;",
+            "staged_cones[(k - first) ^ 1u] = cone;",
+            ALL,
+        ),
+        (
+            "a stage's entries are shifted",
+            "staged_entries[k - first] = entry;",
+            "staged_entries[(k - first) ^ 1u] = entry;",
+            &["certainty"],
+        ),
+        (
+            "a stage's shares are shifted",
+            "staged_shares[k - first] = shares",
+            "staged_shares[(k - first) ^ 1u] = shares",
+            &["dempster-shafer"],
+        ),
+        (
+            "a stage ends early",
+            "k < end; k += THREADS) {\n            let entry = entries[k];",
+            "k + 1u < end; k += THREADS) {\n            let entry = entries[k];",
+            ALL,
+        ),
+        ("a tile inside is left out", "row.interior = vec4<bool>(true);", "row.interior = vec4<bool>(false);", CONES),
+        (
+            "a tile inside is measured from elsewhere",
+            "row.d2 = vec4<f32>(x * x + v.y * v.y);\n    row.across = vec4<f32>(abs(cross_4(cone.axis, x, v.y)));\n    row.along = vec4<f32>(dot_4(cone.axis, x, v.y));\n    return row;",
+            "row.d2 = vec4<f32>(x * x);\n    row.across = vec4<f32>(abs(cross_4(cone.axis, x, v.y)));\n    row.along = vec4<f32>(dot_4(cone.axis, x, v.y));\n    return row;",
+            &["certainty", "bayes"],
+        ),
+        (
+            "a tile off the arc is left out",
+            "    row.arc = vec4<bool>(false);\n    return row;",
+            "    row.interior = vec4<bool>(false);\n    return row;",
+            CONES,
+        ),
+    ];
+    let scene = scenes::large();
+    let mut unseen = Vec::new();
+    for (what, from, to, methods) in faults {
+        let patches = vec![(from.to_string(), to.to_string())];
+        let options = Options { staged: Some(true), lists: Some(true), groups: Some(1), patches, ..Options::default() };
+        let Some(mut patched) = open(options) else { return };
+        for name in methods {
+            let settings = settings(name);
+            let method = method::make(settings);
+            let sources = kernels_of(method.as_ref()).into_iter().map(|k| source(method.as_ref(), k, false, 1));
+            assert!(sources.into_iter().any(|s| s.contains(from)), "{what}: its text is not in {name}'s kernels");
+            let run = scene.run(method.as_ref(), &mut patched, BATCH);
+            if against_oracle(&run, &scene.oracle(settings)).is_empty() {
+                unseen.push(format!("{what} in {name}"));
+            }
+        }
+    }
+    assert!(unseen.is_empty(), "unseen: {unseen:?}");
 }

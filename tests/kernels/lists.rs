@@ -3,7 +3,7 @@
 use crate::common::{Scene, open};
 use crate::scenes;
 use echogrid::batch::{Batch, Binning, ChunkList};
-use echogrid::kernels::gpu::{Gpu, Options};
+use echogrid::kernels::gpu::{Gpu, Options, lists};
 use echogrid::layout::{ARC, Cone, Entry, WIDE};
 use echogrid::snap::{Footprint, snap};
 use std::collections::BTreeSet;
@@ -26,13 +26,13 @@ fn check(gpu: &mut Gpu, scene: &Scene, footprint: Footprint, no_echo_arcs: bool)
     let cones = cones(scene, footprint);
     let what = format!("{}, {footprint:?}", scene.name);
     let host = binning.bin(cones.clone());
-    let near = binning.near(cones);
+    let near = binning.near(&cones, |c| Some(*c)).unwrap();
     let listed = gpu.list(size, &binning, &near).unwrap();
     let without_slots = |entries: &[Entry]| entries.iter().map(|e| e.cone).collect::<Vec<_>>();
     let filled: Vec<&ChunkList> = listed.iter().filter(|c| !c.entries.is_empty()).collect();
     assert_eq!(filled.len(), host.chunks.len(), "{what}");
     for (ours, theirs) in filled.iter().zip(&host.chunks) {
-        assert_eq!((ours.place, &ours.tiles), (theirs.place, &theirs.tiles), "{what}");
+        assert!((ours.place, &ours.tiles) == (theirs.place, &theirs.tiles), "{what}: other tiles");
         assert!(without_slots(&ours.entries) == without_slots(&theirs.entries), "{what}: other entries");
     }
     parts(&near, &filled, &host, &what);
@@ -72,7 +72,8 @@ fn lists_are_those_of_the_host() {
     let Some(mut gpu) = open(Options { lists: Some(true), ..Options::default() }) else { return };
     let (mut entries, mut arcs) = (0, 0);
     // The crowd is many segments; the others lie over several chunks, end within a tile, have lasers and missing echoes.
-    for scene in [scenes::crowd(), scenes::ragged(), scenes::chunks(), scenes::edges(), scenes::fans()] {
+    for scene in [scenes::crowd(), scenes::ragged(), scenes::chunks(), scenes::large(), scenes::edges(), scenes::fans()]
+    {
         for footprint in [Footprint::Cone, Footprint::Wedge, Footprint::Axis] {
             for no_echo_arcs in [false, true] {
                 let found = check(&mut gpu, &scene, footprint, no_echo_arcs);
@@ -81,4 +82,50 @@ fn lists_are_those_of_the_host() {
         }
     }
     assert!(entries > 500_000 && arcs > 100_000, "{entries} entries, {arcs} on an arc");
+}
+
+/// A fault in what lists tiles is seen: by the lists themselves.
+#[test]
+fn faults_in_lists_are_seen() {
+    let faults = [
+        (
+            "a corner of the tile is forgotten",
+            "let left = cross_over(cone.left, low, high);",
+            "let left = cross_over(cone.left, low, low);",
+        ),
+        (
+            "the arc begins late",
+            "let arc = far2 >= u32(cone.reach.x * cone.reach.x);",
+            "let arc = far2 > u32(cone.reach.y * cone.reach.y);",
+        ),
+        ("a tile across an edge is inside", "let inside = left.y < 0", "let inside = left.x < 0"),
+        ("a tile beyond the grid is inside", "if any(corner + TILE > lists.size)", "if any(corner > lists.size)"),
+        ("missing echoes have an arc", "if (cone.flags & NO_ECHO) != 0u && (lists.how & ARCS) == 0u", "if false"),
+        ("a box ends a tile early", "any(at >= box.high)", "any(at + 1u >= box.high)"),
+        ("order is lost", "entries[to + place.x]", "entries[to + place.y - 1u - place.x]"),
+        ("a turn is forgotten", "        to += place.y;", "        to += select(place.y, 0u, turn == 2u);"),
+        ("a segment is forgotten", "segment < lists.segments", "segment + 1u < max(lists.segments, 2u)"),
+        ("a block's neighbour", "at.y / BLOCK * BLOCKS + at.x / BLOCK", "(at.y + 1u) / BLOCK * BLOCKS + at.x / BLOCK"),
+        (
+            "parts are shared",
+            "box.part + inside.y * (box.high.x - box.low.x)",
+            "box.part + inside.y * (box.high.x - box.low.x - 1u)",
+        ),
+        ("a thread's bit is lost", "1u << (lane % 32u)", "1u << (lane % 31u)"),
+    ];
+    let mut unseen = Vec::new();
+    for (what, from, to) in faults {
+        assert!(lists::sources().iter().any(|s| s.contains(from)), "{what}: its text is not in the kernels");
+        let patches = vec![(from.to_string(), to.to_string())];
+        let Some(mut gpu) = open(Options { lists: Some(true), patches, ..Options::default() }) else { return };
+        let scenes = [scenes::crowd(), scenes::ragged(), scenes::chunks(), scenes::large()];
+        let seen = scenes.iter().any(|scene| {
+            let held = std::panic::AssertUnwindSafe(|| check(&mut gpu, scene, Footprint::Cone, false));
+            std::panic::catch_unwind(held).is_err()
+        });
+        if !seen {
+            unseen.push(what);
+        }
+    }
+    assert!(unseen.is_empty(), "unseen: {unseen:?}");
 }

@@ -93,6 +93,11 @@ fn as_on_hardware() {
                 let run = scene.run(method.as_ref(), &mut gpu, batch);
                 assert_same(&format!("{name}, staged {staged}, lists {lists}, batches of {batch}"), &run, &usual);
             }
+            if method.unit() == Unit::Reading {
+                let large = scenes::large();
+                let what = format!("{name} on large, staged {staged}, lists {lists}");
+                assert_same(&what, &large.run(method.as_ref(), &mut gpu, BATCH), &large.cpu(settings));
+            }
         }
     }
 }

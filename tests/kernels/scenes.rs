@@ -119,6 +119,13 @@ pub fn ragged() -> Scene {
     ragged
 }
 
+/// Cones that hold whole tiles, of which some lie across the grid's edge.
+pub fn large() -> Scene {
+    let sensors = vec![sonar(25.0, 0.2, 7.0), sonar(9.0, 0.2, 7.0), laser(0.5, 7.0)];
+    let readings = random(23, 240, [0.0, 0.0, 12.15, 11.35], &sensors, 3.0);
+    scene("large", bounds([0.0, 0.0, 12.15, 11.35], 0.05), sensors, readings)
+}
+
 /// A parked robot: the same cells freed until nothing is left of their doubt, now and then an echo from among them.
 pub fn parked() -> Scene {
     let sensors = vec![sonar(12.5, 0.17, 5.0)];

@@ -63,10 +63,7 @@ pub fn ceilings(device: &Device) -> Result<Ceilings> {
 
 fn pipeline(device: &Device, source: &str) -> Result<wgpu::ComputePipeline> {
     let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("ceiling"),
-        source: wgpu::ShaderSource::Wgsl(each(source, UNROLLED).into()),
-    });
+    let module = device.module("ceiling", each(source, UNROLLED));
     let kind = |read_only| wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Storage { read_only },
         has_dynamic_offset: false,

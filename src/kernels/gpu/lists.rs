@@ -1,14 +1,14 @@
 //! Lists made on the GPU, byte for byte those of `batch` but for where parts are; what the passes bind is twin of
 //! `shaders/list/*.wgsl`.
 
-use super::Gpu;
 use super::device::Device;
+use super::pool::{Piece, Pool};
+use super::{Gpu, Patch};
 use crate::batch::{Batch, Binning, ChunkList};
 use crate::layout::{ARCS, AXIS, BLOCKS, CHUNK, Entry, Frame, Lists, SEGMENT, Tile};
 use crate::snap::Footprint;
 use crate::{Error, Result};
 use bytemuck::Zeroable;
-use wgpu::BufferUsages as Usage;
 
 const LAYOUT: &str = include_str!("../../../shaders/layout.wgsl");
 const COMPACT: &str = include_str!("../../../shaders/list/compact.wgsl");
@@ -22,9 +22,9 @@ const SEGMENTS: usize = 65_535;
 /// A chunk's lists on the device.
 pub struct Listed {
     /// A tile for each slot, …
-    pub tiles: wgpu::Buffer,
+    pub tiles: Piece,
     /// … and their entries.
-    pub entries: wgpu::Buffer,
+    pub entries: Piece,
 }
 
 /// The pipelines: into blocks; how long each tile's list is, where it begins, its entries.
@@ -37,22 +37,25 @@ pub struct Lister {
 
 /// The WGSL of both modules.
 pub fn sources() -> [String; 2] {
-    [[LAYOUT, COMPACT, NEAR].join("\n"), [LAYOUT, COMPACT, MEETS, TILES].join("\n")]
+    // Threads of a workgroup: a block's have many cones to go through, a tile's few.
+    let [block, tile] = [256, 64].map(|workers| format!("const WORKERS: u32 = {workers}u;"));
+    [[&block, LAYOUT, COMPACT, NEAR].join("\n"), [&tile, LAYOUT, COMPACT, MEETS, TILES].join("\n")]
 }
 
 impl Gpu {
     /// The lists that the GPU makes of a batch's chunks: for tests, which hold them against those of `batch`.
     pub fn list(&mut self, size: [usize; 2], binning: &Binning, batch: &Batch) -> Result<Vec<ChunkList>> {
-        let (device, lister) = (&self.device, Lister::new(&self.device)?);
+        let (device, pool, lister) = (&self.device, &mut self.pool, Lister::new(&self.device, &self.patches)?);
         let frame = Frame { size: size.map(|s| s as u32), ..Frame::zeroed() };
-        let cones = device.buffer("cones", &batch.cones, Usage::STORAGE);
+        let cones = pool.filled(device, &batch.cones);
         let lists = batch.chunks.iter().map(|list| {
             let how = Lister::how(&frame, list, binning.footprint, binning.no_echo_arcs);
             let mut encoder = device.encoder();
-            let listed = lister.record(device, &mut encoder, (&cones, list, how), None);
+            let listed = lister.record((device, &mut *pool), &mut encoder, (&cones, list, how), None);
             device.submit(&mut encoder);
-            let mut tiles: Vec<Tile> = bytemuck::pod_collect_to_vec(&device.read(&listed.tiles)?);
-            let mut entries: Vec<Entry> = bytemuck::pod_collect_to_vec(&device.read(&listed.entries)?);
+            let read = |piece: &Piece| device.read(&piece.buffer, piece.bytes);
+            let mut tiles: Vec<Tile> = bytemuck::pod_collect_to_vec(&read(&listed.tiles)?);
+            let mut entries: Vec<Entry> = bytemuck::pod_collect_to_vec(&read(&listed.entries)?);
             entries.truncate(tiles.last().map_or(0, |t| t.entries[1] as usize));
             tiles.retain(|t| t.entries[0] < t.entries[1]);
             Ok(ChunkList { tiles, entries, ..list.clone() })
@@ -62,14 +65,12 @@ impl Gpu {
 }
 
 impl Lister {
-    /// Makes the pipelines.
-    pub fn new(device: &Device) -> Result<Lister> {
+    /// Makes the pipelines, their sources changed as given.
+    pub fn new(device: &Device, patches: &[Patch]) -> Result<Lister> {
         let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let [near, tiles] = sources().map(|source| {
-            device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("lists"),
-                source: wgpu::ShaderSource::Wgsl(source.into()),
-            })
+            let patched = |source: String, (from, to): &Patch| source.replace(from, to);
+            device.module("lists", patches.iter().fold(source, patched))
         });
         let pipeline = |module, entry_point| {
             device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -112,29 +113,29 @@ impl Lister {
     /// Records the passes that list a chunk's tiles.
     pub fn record(
         &self,
-        device: &Device,
+        (device, pool): (&Device, &mut Pool),
         encoder: &mut wgpu::CommandEncoder,
-        (cones, list, how): (&wgpu::Buffer, &ChunkList, Lists),
+        (cones, list, how): (&Piece, &ChunkList, Lists),
         timestamp_writes: Option<wgpu::ComputePassTimestampWrites>,
     ) -> Listed {
-        let input = Usage::STORAGE | Usage::COPY_DST;
         let (blocks, segments) = (BLOCKS * BLOCKS, how.segments.max(1));
         let in_blocks = u64::from(segments) * blocks as u64;
         let words = |count: u64| count * size_of::<u32>() as u64;
-        let lists = device.buffer("how to list", &[how], Usage::UNIFORM);
-        let near = device.buffer("near", &list.near, input);
-        let by_block = device.zeros("cones by block", words(in_blocks * SEGMENT as u64));
-        let counts = device.zeros("cones in blocks", words(in_blocks));
+        let lists = pool.filled(device, &[how]);
+        let near = pool.filled(device, &list.near);
+        let by_block = pool.any(device, words(in_blocks * SEGMENT as u64));
+        let counts = pool.any(device, words(in_blocks));
         let listed = Listed {
-            tiles: device.zeros("tiles", (CHUNK * CHUNK * size_of::<Tile>()) as u64),
-            entries: device.zeros("entries", (list.pairs() * size_of::<Entry>()) as u64),
+            tiles: pool.any(device, (CHUNK * CHUNK * size_of::<Tile>()) as u64),
+            entries: pool.any(device, (list.pairs() * size_of::<Entry>()) as u64),
         };
         let all = [&lists, &near, &by_block, &counts, cones, &listed.tiles, &listed.entries];
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("list"), timestamp_writes });
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("list"), timestamp_writes });
         // A pipeline's layout has what its entry point uses.
         let mut run = |pipeline: &wgpu::ComputePipeline, bound: &[u32], x: u32, y: u32| {
-            let entry =
-                |binding: &u32| wgpu::BindGroupEntry { binding: *binding, resource: all[*binding as usize].as_entire_binding() };
+            let resource = |binding: u32| wgpu::BindingResource::Buffer(all[binding as usize].binding());
+            let entry = |binding: &u32| wgpu::BindGroupEntry { binding: *binding, resource: resource(*binding) };
             let entries: Vec<_> = bound.iter().map(entry).collect();
             let layout = pipeline.get_bind_group_layout(0);
             let descriptor = wgpu::BindGroupDescriptor { label: Some("list"), layout: &layout, entries: &entries };

@@ -5,22 +5,25 @@ mod ceiling;
 mod device;
 pub mod lists;
 mod pass;
-mod timer;
+mod pool;
 pub mod shader;
+mod timer;
+mod upload;
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
-use crate::batch::{Batch, ChunkList};
-use crate::layout::{CHUNK, Cone, Entry, Frame, TILE_CELLS, Tile};
-use crate::method::{self, Method, Step, Unit};
+use crate::batch::Batch;
+use crate::layout::{CHUNK, Cone, Entry, Frame, TILE_CELLS};
+use crate::method::{self, Method, Step};
 use crate::{Error, Result};
 use adapter::Found;
 use device::Device;
-use lists::{Listed, Lister};
+use lists::Lister;
 use pass::{Needs, Passes, key};
+use pool::{Piece, Pool};
 use shader::Kernel;
 use std::collections::BTreeMap;
 use timer::Timer;
-use wgpu::BufferUsages as Usage;
+use upload::{ChunkBuffers, Upload};
 
 /// A change to a kernel's source: every `from` becomes `to`. For tests that seed faults.
 pub type Patch = (String, String);
@@ -47,9 +50,13 @@ pub struct Gpu {
     device: Device,
     passes: Passes,
     chunks: BTreeMap<[u32; 2], wgpu::Buffer>,
-    /// The batch before, still under way: the host bins the next one meanwhile, and only two are held.
-    pending: Option<wgpu::SubmissionIndex>,
+    /// Memory of chunks that were handed over.
+    spare: Vec<wgpu::Buffer>,
+    pool: Pool,
+    /// The batch before, still under way, and its buffers: the host bins the next one meanwhile, and only two are held.
+    pending: Option<(wgpu::SubmissionIndex, Vec<wgpu::Buffer>)>,
     timer: Option<Timer>,
+    patches: Vec<Patch>,
     lister: Option<Lister>,
     lists: bool,
 }
@@ -63,26 +70,6 @@ const LARGEST_CHUNK: u64 = 32 * (CHUNK * CHUNK * TILE_CELLS) as u64;
 /// How often a software adapter's thread may go round the loop over a tile's entries: with what it goes round for each stage of
 /// sixteen, six times at most, a little less than Mesa's 65535.
 const SOFTWARE_TURNS: usize = 45_000;
-
-/// A chunk's buffers for one batch, or, where an adapter doesn't bind all of its cells at once, those of some of its tiles.
-struct ChunkBuffers {
-    tiles: wgpu::Buffer,
-    entries: wgpu::Buffer,
-    groups: u32,
-    place: [u32; 2],
-    /// Which of the cells' bytes they are: from where, how many.
-    cells: (u64, u64),
-}
-
-/// A batch's buffers. Of scans, where a method takes them: the scans themselves, for shares the centres of the cells, for first parts
-/// the beams; of updates for shares their shapes, for first parts their points.
-struct BatchBuffers {
-    cones: wgpu::Buffer,
-    parts: wgpu::Buffer,
-    shares: wgpu::Buffer,
-    first_part: wgpu::Buffer,
-    chunks: Vec<ChunkBuffers>,
-}
 
 impl Gpu {
     /// Opens the best adapter.
@@ -100,7 +87,18 @@ impl Gpu {
         // The lists of any method's chunk must fit into one binding.
         let able = device.found.binding >= LARGEST_CHUNK && device.found.workgroups as usize >= CHUNK * CHUNK;
         let lists = able && options.lists.unwrap_or(!device.found.software);
-        Gpu { device, passes, chunks: BTreeMap::new(), pending: None, timer: None, lister: None, lists }
+        Gpu {
+            device,
+            passes,
+            chunks: BTreeMap::new(),
+            spare: Vec::new(),
+            pool: Pool::default(),
+            pending: None,
+            timer: None,
+            patches: options.patches.clone(),
+            lister: None,
+            lists,
+        }
     }
 
     /// The adapter.
@@ -108,70 +106,13 @@ impl Gpu {
         &self.device.found
     }
 
-    /// Uploads a batch, and records what lists its tiles where that is left to the GPU.
-    fn upload(
-        &self,
-        (encoder, timer): (&mut wgpu::CommandEncoder, &mut Option<Timer>),
-        (method, frame, steps): (&dyn Method, Frame, &[Step]),
-        batch: &Batch,
-        shares_so_far: &Shares,
-    ) -> BatchBuffers {
-        let input = Usage::STORAGE | Usage::COPY_DST;
-        let device = &self.device;
-        let sums = steps.contains(&Step::Sum);
-        let slots = batch.first_part.last().copied().unwrap_or(0) as usize;
-        let parts = if sums { slots * PART_BYTES } else { batch.cones.len() * size_of::<u32>() };
-        let (tile, slots) = ((method::tile_words(method) * size_of::<u32>()) as u64, self.slots(method) as u32);
-        let part = |list: &ChunkList, first: u32| {
-            let within = |t: &&Tile| (first..first + slots).contains(&t.slot);
-            let tiles: Vec<Tile> =
-                list.tiles.iter().filter(within).map(|t| Tile { slot: t.slot - first, ..*t }).collect();
-            ChunkBuffers {
-                tiles: device.buffer("tiles", &tiles, input),
-                entries: device.buffer("entries", &list.entries, input),
-                groups: tiles.len() as u32,
-                place: [list.place[1], list.place[0]],
-                cells: (u64::from(first) * tile, u64::from(slots) * tile),
-            }
-        };
-        let cones = match method.unit() {
-            Unit::Scan => device.buffer("scans", &batch.scans, input),
-            Unit::Reading | Unit::Update => device.buffer("cones", &batch.cones, input),
-        };
-        let all = (CHUNK * CHUNK) as u32;
-        let arcs = steps.iter().any(|s| matches!(s, Step::Share | Step::Tally));
-        let mut chunk = |list: &ChunkList| match &self.lister {
-            Some(lister) if !list.near.is_empty() => {
-                let how = Lister::how(&frame, list, method.footprint(), arcs);
-                let stamps = timer.as_mut().and_then(|t| t.writes("list"));
-                let Listed { tiles, entries } = lister.record(device, encoder, (&cones, list, how), stamps);
-                let cells = (0, u64::from(all) * tile);
-                vec![ChunkBuffers { tiles, entries, groups: all, place: [list.place[1], list.place[0]], cells }]
-            }
-            _ => (0..all).step_by(slots as usize).map(|first| part(list, first)).filter(|c| c.groups > 0).collect(),
-        };
-        BatchBuffers {
-            chunks: batch.chunks.iter().flat_map(&mut chunk).collect(),
-            parts: device.zeros("parts", parts as u64),
-            shares: match method.unit() {
-                Unit::Reading => device.buffer("shares", shares_so_far, input | Usage::COPY_SRC),
-                Unit::Scan => device.buffer("centres", &batch.centres, input),
-                Unit::Update => device.buffer("shapes", &batch.shapes, input),
-            },
-            first_part: match method.unit() {
-                Unit::Reading => device.buffer("first_part", &batch.first_part, input),
-                Unit::Scan => device.buffer("beams", &batch.beams, input),
-                Unit::Update => device.buffer("points", &batch.points, input),
-            },
-            cones,
+    /// A chunk's words; its memory is for another.
+    fn hand_over(&mut self, buffer: wgpu::Buffer) -> Result<Vec<u32>> {
+        let words = self.device.read(&buffer, buffer.size())?;
+        if self.spare.len() < SPARE {
+            self.spare.push(buffer);
         }
-    }
-
-    /// Tiles of a chunk whose cells are bound at once: all, or where they are more than the adapter binds a half, a quarter, …
-    fn slots(&self, method: &dyn Method) -> usize {
-        let bytes = |slots: usize| (method::tile_words(method) * size_of::<u32>() * slots) as u64;
-        let fits = |slots: &usize| *slots == 1 || bytes(*slots) <= self.found().binding;
-        std::iter::successors(Some(CHUNK * CHUNK), |slots| Some(slots / 2)).find(fits).unwrap_or(1)
+        Ok(words)
     }
 
     fn healthy(&self) -> Result<()> {
@@ -197,6 +138,16 @@ impl Gpu {
         Ok(())
     }
 }
+
+/// Tiles of a chunk whose cells are bound at once: all, or where they are more than the adapter binds a half, a quarter, …
+fn slots(device: &Device, method: &dyn Method) -> usize {
+    let bytes = |slots: usize| (method::tile_words(method) * size_of::<u32>() * slots) as u64;
+    let fits = |slots: &usize| *slots == 1 || bytes(*slots) <= device.found.binding;
+    std::iter::successors(Some(CHUNK * CHUNK), |slots| Some(slots / 2)).find(fits).unwrap_or(1)
+}
+
+/// Chunks' memory that is kept for others at most.
+const SPARE: usize = 2;
 
 impl Backend for Gpu {
     fn name(&self) -> &'static str {
@@ -240,29 +191,42 @@ impl Backend for Gpu {
                 Step::Share | Step::Hand | Step::Tally => {}
             }
         }
+        let mut encoder = self.device.encoder();
+        let bytes = (method::tile_words(method) * CHUNK * CHUNK * size_of::<u32>()) as u64;
         for list in &batch.chunks {
-            let place = [list.place[1], list.place[0]];
-            if !self.chunks.contains_key(&place) {
-                let bytes = method::tile_words(method) * CHUNK * CHUNK * size_of::<u32>();
-                self.chunks.insert(place, self.device.zeros("chunk", bytes as u64));
-            }
+            let spare = &mut self.spare;
+            self.chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| {
+                match spare.iter().position(|b| b.size() == bytes) {
+                    Some(k) => {
+                        let buffer = spare.swap_remove(k);
+                        encoder.clear_buffer(&buffer, 0, None);
+                        buffer
+                    }
+                    None => self.device.zeros("chunk", bytes),
+                }
+            });
         }
         shares_so_far.resize(batch.cones.len(), [0; 4]);
         if self.lister.is_none() && batch.chunks.iter().any(|c| !c.near.is_empty()) {
-            self.lister = Some(Lister::new(&self.device)?);
+            self.lister = Some(Lister::new(&self.device, &self.patches)?);
         }
-        let (mut encoder, mut timer) = (self.device.encoder(), self.timer.take());
-        let buffers = self.upload((&mut encoder, &mut timer), (method, frame, steps), batch, shares_so_far);
-        self.timer = timer;
+        let upload = Upload {
+            device: &self.device,
+            pool: &mut self.pool,
+            encoder: &mut encoder,
+            timer: self.timer.as_mut(),
+            lister: self.lister.as_ref(),
+        };
+        let buffers = upload.batch((method, frame, steps), batch, shares_so_far);
         let mut record = |encoder: &mut _, kernel: Kernel, frame: Frame, chunk: &ChunkBuffers, groups| {
             let Some(state) = self.chunks.get(&chunk.place) else { return };
-            let frame = self.device.buffer("frame", &[frame], Usage::UNIFORM);
+            let frame = self.pool.filled(&self.device, &[frame]);
             let b = &buffers;
             let (offset, size) = chunk.cells;
             let cells = wgpu::BufferBinding { buffer: state, offset, size: std::num::NonZero::new(size) };
             let [frame, cones, tiles, entries, parts, shares, first_part] =
                 [&frame, &b.cones, &chunk.tiles, &chunk.entries, &b.parts, &b.shares, &b.first_part]
-                    .map(wgpu::Buffer::as_entire_buffer_binding);
+                    .map(Piece::binding);
             let bound = [frame, cones, tiles, entries, cells, parts, shares, first_part];
             let stamps = self.timer.as_mut().and_then(|t| t.writes(kernel.name()));
             self.passes.record(&self.device, encoder, key(method, kernel, needs), bound, groups, stamps);
@@ -282,17 +246,21 @@ impl Backend for Gpu {
                 }
                 Step::Share => {
                     self.device.submit(&mut encoder);
-                    let counts = self.device.read(&buffers.parts)?;
+                    let counts = self.device.read(&buffers.parts.buffer, buffers.parts.bytes)?;
                     let shares = shares(method, counts.into_iter(), &batch.cones);
-                    self.device.queue.write_buffer(&buffers.shares, 0, bytemuck::cast_slice(&shares));
+                    self.device.queue.write_buffer(&buffers.shares.buffer, 0, bytemuck::cast_slice(&shares));
                 }
                 Step::Tally => {
                     self.device.submit(&mut encoder);
-                    tally(shares_so_far, self.device.read(&buffers.parts)?.into_iter(), batch.cones.len());
+                    tally(
+                        shares_so_far,
+                        self.device.read(&buffers.parts.buffer, buffers.parts.bytes)?.into_iter(),
+                        batch.cones.len(),
+                    );
                 }
                 Step::Hand => {
                     self.device.submit(&mut encoder);
-                    let words = self.device.read(&buffers.shares)?;
+                    let words = self.device.read(&buffers.shares.buffer, buffers.shares.bytes)?;
                     let handed = words.chunks_exact(4).map(|w| [w[0], w[1], w[2], w[3]]);
                     shares_so_far.iter_mut().zip(handed).for_each(|(share, new)| *share = new);
                 }
@@ -302,8 +270,9 @@ impl Backend for Gpu {
         if let Some(timer) = &mut self.timer {
             timer.read(&self.device)?;
         }
-        if let Some(before) = self.pending.replace(submitted) {
+        if let Some((before, taken)) = self.pending.replace((submitted, self.pool.taken())) {
             self.device.wait(Some(before))?;
+            self.pool.free(taken);
         }
         self.healthy()
     }
@@ -323,12 +292,13 @@ impl Backend for Gpu {
 
     fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>> {
         self.healthy()?;
-        self.chunks.remove(&place).map(|buffer| self.device.read(&buffer)).transpose()
+        let Some(buffer) = self.chunks.remove(&place) else { return Ok(None) };
+        self.hand_over(buffer).map(Some)
     }
 
     fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
         self.healthy()?;
         let chunks = std::mem::take(&mut self.chunks);
-        chunks.iter().map(|(place, buffer)| Ok((*place, self.device.read(buffer)?))).collect()
+        chunks.into_iter().map(|(place, buffer)| Ok((place, self.hand_over(buffer)?))).collect()
     }
 }

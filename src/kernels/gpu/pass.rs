@@ -25,8 +25,8 @@ pub struct Needs {
 impl Needs {
     /// Of these readings.
     pub fn of(cones: &[Cone]) -> Needs {
-        let any = |flag| cones.iter().any(|c| c.flags & flag != 0);
-        Needs { wide: any(WIDE), broad: any(BROAD) }
+        let flags = cones.iter().fold(0, |flags, c| flags | c.flags);
+        Needs { wide: flags & WIDE != 0, broad: flags & BROAD != 0 }
     }
 }
 
@@ -39,7 +39,12 @@ pub fn key(method: &dyn Method, kernel: Kernel, needs: Needs) -> Key {
 }
 
 /// The WGSL overrides of a kernel, with their values.
-fn overrides(method: &dyn Method, kernel: Kernel, needs: Needs, staged: bool) -> impl Iterator<Item = (&'static str, bool)> {
+fn overrides(
+    method: &dyn Method,
+    kernel: Kernel,
+    needs: Needs,
+    staged: bool,
+) -> impl Iterator<Item = (&'static str, bool)> {
     let (unit, looks) = (method.unit(), kernel != Kernel::Sum);
     let variant = method.variant().filter(|_| looks);
     let broad = (unit != Unit::Scan && looks).then_some(("BROAD_BEAMS", needs.broad));
@@ -101,12 +106,10 @@ impl Passes {
             source = source.replace(from, to);
         }
         let staged = self.options.staged.unwrap_or(!device.found.software);
-        let constants: Vec<_> = overrides(method, kernel, needs, staged).map(|(name, on)| (name, f64::from(on))).collect();
+        let constants: Vec<_> =
+            overrides(method, kernel, needs, staged).map(|(name, on)| (name, f64::from(on))).collect();
         let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(&label),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
+        let module = device.module(&label, source);
         let layout = device.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(&label),
             bind_group_layouts: &[Some(&self.layout)],

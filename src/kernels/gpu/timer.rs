@@ -64,7 +64,7 @@ impl Timer {
         let mut encoder = device.encoder();
         encoder.resolve_query_set(&self.stamps, 0..2 * self.passes.len() as u32, &self.resolved, 0);
         device.submit(&mut encoder);
-        let words = device.read(&self.resolved)?;
+        let words = device.read(&self.resolved, 2 * self.passes.len() as u64 * BYTES)?;
         let stamp = |k: usize| u64::from(words[2 * k + 1]) << 32 | u64::from(words[2 * k]);
         let tick = f64::from(device.queue.get_timestamp_period()) * 1e-9;
         for (k, pass) in self.passes.drain(..).enumerate() {
