@@ -2,6 +2,9 @@
 //
 // Membership is exact, so it is the same on every backend. Four cells of a row are classified at once.
 
+// Whether a reading of the batch is a laser's.
+override LASERS: bool = true;
+
 struct Row {
     // Freed by the reading.
     interior: vec4<bool>,
@@ -23,39 +26,62 @@ fn dot_4(a: vec2<i32>, x: vec4<i32>, y: i32) -> vec4<i32> {
     return a.x * x + a.y * y;
 }
 
-// Distance and direction of the four cells whose first centre lies at v from the sensor; none is a member yet.
-fn polar_row(cone: Cone, v: vec2<i32>) -> Row {
-    let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
-    var row: Row;
-    row.d2 = vec4<f32>(x * x + v.y * v.y);
-    row.across = vec4<f32>(abs(cross_4(cone.axis, x, v.y)));
-    row.along = vec4<f32>(dot_4(cone.axis, x, v.y));
-    return row;
+// Between a cone's edges, or in a laser's band.
+fn between_edges(cone: Cone, x: vec4<i32>, y: i32, across: vec4<i32>, along: vec4<i32>) -> vec4<bool> {
+    let left_limit = -i32((cone.flags & HALF_OPEN) != 0u);
+    let zero = vec4<i32>(0);
+    let wedge = (cross_4(cone.left, x, y) <= vec4<i32>(left_limit)) & (cross_4(cone.right, x, y) >= zero) & (along >= zero);
+    if !LASERS {
+        return wedge;
+    }
+    let laser = vec4<bool>((cone.flags & LASER) != 0u);
+    let band = laser
+        & (abs(across) <= vec4<i32>(CELL / 2 * DIRECTION))
+        & (along >= zero)
+        & (along <= vec4<i32>(cone.reach.y * DIRECTION));
+    return wedge | band;
 }
 
 // Classifies the four cells whose first centre lies at v from the sensor.
 fn narrow_row(cone: Cone, v: vec2<i32>) -> Row {
-    let left_limit = -i32((cone.flags & HALF_OPEN) != 0u);
-    let laser = vec4<bool>((cone.flags & LASER) != 0u);
     let inner = cone.reach.x * cone.reach.x;
     let outer = cone.reach.y * cone.reach.y;
     let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
     let d2 = x * x + v.y * v.y;
     let across = cross_4(cone.axis, x, v.y);
     let along = dot_4(cone.axis, x, v.y);
-    let zero = vec4<i32>(0);
-    let wedge = (cross_4(cone.left, x, v.y) <= vec4<i32>(left_limit)) & (cross_4(cone.right, x, v.y) >= zero) & (along >= zero);
-    let band = laser
-        & (abs(across) <= vec4<i32>(CELL / 2 * DIRECTION))
-        & (along >= zero)
-        & (along <= vec4<i32>(cone.reach.y * DIRECTION));
-    let inside = wedge | band;
+    let inside = between_edges(cone, x, v.y, across, along);
     var row: Row;
     row.interior = inside & (d2 < vec4<i32>(inner));
     row.arc = inside & (d2 >= vec4<i32>(inner)) & (d2 <= vec4<i32>(outer));
     row.d2 = vec4<f32>(d2);
     row.across = vec4<f32>(abs(across));
     row.along = vec4<f32>(along);
+    return row;
+}
+
+// The same without the arc: it lies elsewhere, or is a missing echo's.
+fn row_before(cone: Cone, v: vec2<i32>) -> Row {
+    let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
+    let d2 = x * x + v.y * v.y;
+    let across = cross_4(cone.axis, x, v.y);
+    let along = dot_4(cone.axis, x, v.y);
+    var row: Row;
+    row.interior = between_edges(cone, x, v.y, across, along) & (d2 < vec4<i32>(cone.reach.x * cone.reach.x));
+    row.d2 = vec4<f32>(d2);
+    row.across = vec4<f32>(abs(across));
+    row.along = vec4<f32>(along);
+    return row;
+}
+
+// The same inside the cone: all are interior.
+fn row_inside(cone: Cone, v: vec2<i32>) -> Row {
+    let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
+    var row: Row;
+    row.interior = vec4<bool>(true);
+    row.d2 = vec4<f32>(x * x + v.y * v.y);
+    row.across = vec4<f32>(abs(cross_4(cone.axis, x, v.y)));
+    row.along = vec4<f32>(dot_4(cone.axis, x, v.y));
     return row;
 }
 

@@ -38,7 +38,7 @@ fn whole(session: &Session, backend: &mut dyn Backend, batch: usize, bins: u64, 
     let mut writer = MapWriter::open(folder, outline, &RunInfo::default(), false).unwrap();
     let plan = Plan { batch, bins, ..Plan::of(session, batch, None).unwrap() };
     let silent = |_: &str, _: u64| -> Box<dyn Fn(u64)> { Box::new(|_| {}) };
-    let (counts, _) = whole::map(session, backend, &plan, folder, &silent, &mut writer).unwrap();
+    let counts = whole::map(session, backend, &plan, folder, &silent, &mut writer).unwrap().counts;
     writer.finish(&RunInfo::default()).unwrap();
     assert!(check(folder, &|| {}).unwrap().problems.is_empty());
     (read_map(folder).unwrap().map, counts)
@@ -93,7 +93,20 @@ fn chunk_by_chunk_gives_the_bytes_of_all_chunks_together() {
 
 #[test]
 fn on_the_gpu_too() {
-    let mut gpu = match gpu::Gpu::new(&gpu::Options::default()) {
+    gpu_too(gpu::Options::default(), 700, &every_settings());
+}
+
+/// As on hardware: the GPU lists tiles itself.
+#[test]
+fn on_a_gpu_that_lists_tiles() {
+    let all = every_settings();
+    let named = |name: &str| all.iter().copied().find(|s| s.0 == name).unwrap();
+    let settings = ["certainty", "dempster-shafer", "bayes"].map(named);
+    gpu_too(gpu::Options { staged: Some(true), lists: Some(true), ..gpu::Options::default() }, 4000, &settings);
+}
+
+fn gpu_too(options: gpu::Options, batch: usize, settings: &[(&'static str, Settings)]) {
+    let mut gpu = match gpu::Gpu::new(&options) {
         Ok(gpu) => gpu,
         Err(e) => {
             assert!(!echogrid::kernels::gpu_required(), "{e}");
@@ -103,11 +116,11 @@ fn on_the_gpu_too() {
     };
     let folder = tempfile::tempdir().unwrap();
     let log = log(folder.path(), "ring8");
-    for (name, settings) in every_settings() {
+    for (name, settings) in settings.iter().copied() {
         let session = session(&log, settings);
         let together = session.map(&mut gpu, 3000, &|_| {}).unwrap();
         let place = folder.path().join("map");
-        let (map, counts) = whole(&session, &mut gpu, 700, 0, &place);
+        let (map, counts) = whole(&session, &mut gpu, batch, 0, &place);
         assert_eq!(counts, together.counts, "{name}");
         assert!(bits(&map) == bits(&together.finished.map), "{name}: the bytes differ");
         std::fs::remove_dir_all(&place).unwrap();

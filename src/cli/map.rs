@@ -98,6 +98,9 @@ impl Map {
         plan.check_space(session, folder.path(), self.npy)?;
         warn_of_jump(&self.log, session);
         let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
+        if chosen.backend.name() == "gpu" {
+            plan.check_card(session, self.memory)?;
+        }
         let ran = Ran::of(&chosen);
         let info = run_info(session, &ran, Counts::default(), seconds)?;
         let (heads, combined) = layers::heads(session.method.as_ref());
@@ -110,15 +113,16 @@ impl Map {
             Box::new(move |n| bar.inc(n))
         };
         let mapped = whole::map(session, chosen.backend.as_mut(), &plan, folder.path(), &stage, &mut writer);
-        let (counts, stages) = match mapped {
-            Ok(mapped) => mapped,
+        let whole::Done { counts, seconds, busy } = match mapped {
+            Ok(done) => done,
             Err(e) if writer.done().is_empty() => return Err(e),
             Err(e) => return Err(kept(folder, e)),
         };
         if before > 0 {
             note!("resumed: {} had been done", count(before as u64, "chunk"));
         }
-        let info = RunInfo { readings: counts, seconds: info.seconds.into_iter().chain(stages).collect(), ..info };
+        let info =
+            RunInfo { readings: counts, seconds: info.seconds.into_iter().chain(seconds).collect(), busy, ..info };
         match writer.finish(&info) {
             Ok(report) => Ok((folder, report, counts, ran)),
             Err(e) => Err(kept(folder, e)),
@@ -237,6 +241,7 @@ fn run_info(session: &Session, ran: &Ran, counts: Counts, seconds: Vec<(String, 
         sensors: session.sensors().to_vec(),
         readings: counts,
         seconds,
+        busy: Vec::new(),
         backend: ran.backend.into(),
         adapter: ran.adapter.clone(),
         bad_lines: session.survey.bad_lines.clone(),

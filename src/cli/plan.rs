@@ -81,10 +81,10 @@ impl Plan {
             });
         }
         let rounds = rounds.iter().map(|r| round(r)).collect();
-        let (memory, disk) = plan.as_ref().map_or((0, 0), |p| (p.needed, p.disk));
+        let (memory, card, disk) = plan.as_ref().map_or((0, 0, 0), |p| (p.needed, p.card, p.disk));
         self.show(
             &session,
-            &Shown { rounds, places, binned, expected, batch, memory, disk, spilled: run.spilled(), why_not },
+            &Shown { rounds, places, binned, expected, batch, memory, card, disk, spilled: run.spilled(), why_not },
         )
     }
 
@@ -124,6 +124,7 @@ impl Plan {
             "batch": shown.batch,
             "rounds": shown.rounds,
             "memory": shown.memory,
+            "card": shown.card,
             "disk": shown.disk,
             "fits": shown.why_not.is_none(),
             "why_not": shown.why_not,
@@ -170,6 +171,9 @@ impl Plan {
         }
         let free = memory::available().map(|f| format!(", of {} free", show(f))).unwrap_or_default();
         say!("memory    about {}{free}", show(shown.memory));
+        if shown.card > 0 {
+            say!("card      about {} where a GPU maps", show(shown.card));
+        }
         if shown.disk > 0 {
             say!("disk      {} and the compressed layers", show(shown.disk));
         }
@@ -198,6 +202,7 @@ struct Shown {
     rounds: Vec<String>,
     places: Vec<(Place, u64)>,
     binned: u64,
+    card: u64,
     expected: Vec<Expected>,
     batch: usize,
     /// Bytes that the run needs at once.

@@ -25,6 +25,8 @@ pub struct RunInfo {
     pub readings: Counts,
     /// Wall time of each stage so far, in order; writing adds its own.
     pub seconds: Vec<(String, f64)>,
+    /// How long each of the threads of the `map` stage had work, seconds; empty where it has one.
+    pub busy: Vec<(String, f64)>,
     /// oracle, cpu or gpu.
     pub backend: String,
     /// The adapter's name, where the backend has one.
@@ -152,6 +154,9 @@ pub struct Report {
     /// Wall time of each stage, seconds.
     #[serde(serialize_with = "as_object")]
     pub seconds: Vec<(String, f64)>,
+    /// How long each of the threads of the `map` stage had work, seconds.
+    #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
+    pub busy: Vec<(String, f64)>,
     /// The process's largest resident memory so far, bytes, where the system tells.
     pub peak_memory: Option<u64>,
     /// oracle, cpu or gpu.
@@ -264,6 +269,7 @@ impl Report {
             classes: info.classes.clone(),
             features: info.features.clone(),
             seconds: info.seconds.clone(),
+            busy: info.busy.clone(),
             peak_memory: peak_memory(),
             backend: info.backend.clone(),
             adapter: info.adapter.clone(),

@@ -21,6 +21,8 @@ pub struct Plan {
     pub needed: u64,
     /// What the binned readings may take, bytes, before they are spilled.
     pub bins: u64,
+    /// What the cells and batches take on a card, bytes, where a GPU maps.
+    pub card: u64,
     /// What its files take on disk, bytes, without what is compressed.
     pub disk: u64,
 }
@@ -45,7 +47,20 @@ impl Plan {
         session.check_memory(needed, cap)?;
         // map.pgm, and the levels of the overview
         let disk = grid.cells() as u64 + grid.cells() as u64 / 3;
-        Ok(Plan { batch, needed, bins: limit.saturating_sub(needed) / 2, disk })
+        let card = memory::card(method, batch);
+        Ok(Plan { batch, needed, bins: limit.saturating_sub(needed) / 2, card, disk })
+    }
+
+    /// Fails where a card would need more than the cap, bytes. No adapter tells how much it has free: one that runs out says so.
+    pub fn check_card(&self, session: &Session, cap: Option<u64>) -> Result<()> {
+        match cap {
+            Some(cap) if self.card > cap => Err(session.explain(Error::Resources(format!(
+                "a chunk and its batches take {} on the card, but --memory allows {}: give more, or use --backend cpu",
+                show(self.card),
+                show(cap)
+            )))),
+            _ => Ok(()),
+        }
     }
 
     /// Fails where the map's files don't fit into a folder; `npy`: every layer is written as an array, too.
@@ -65,10 +80,21 @@ impl Plan {
     }
 }
 
+/// What a log's mapping came to.
+#[derive(Debug, Clone)]
+pub struct Done {
+    /// What became of its readings.
+    pub counts: Counts,
+    /// Seconds of each stage.
+    pub seconds: Vec<(String, f64)>,
+    /// Seconds that each thread of the last stage had work: `read` ahead, `kernels`, `take` finished chunks and write them.
+    pub busy: Vec<(String, f64)>,
+}
+
 /// What the rounds before the last have found, kept in the map's partial folder.
 const FOUND: &str = "found.bin";
 
-/// Maps a log into an open map; returns what became of its readings and the seconds of each stage. Spilled readings and
+/// Maps a log into an open map. Spilled readings and
 /// what a resumed run needs lie in `folder`.
 ///
 /// # Errors
@@ -80,7 +106,7 @@ pub fn map(
     folder: &Path,
     progress: Progress,
     writer: &mut MapWriter,
-) -> Result<(Counts, Vec<(String, f64)>)> {
+) -> Result<Done> {
     let (mut seconds, mut clock) = (Vec::new(), Instant::now());
     let mut lap = |stage: &str| {
         seconds.push((stage.to_string(), clock.elapsed().as_secs_f64()));
@@ -117,7 +143,9 @@ pub fn map(
     let _ = std::fs::remove_file(&found);
     debug_assert!(places(&session.grid).count() >= writer.done().len());
     let Counts { outside, empty_arc, wide, .. } = run.counts;
-    Ok((Counts { outside, empty_arc, wide, ..session.survey.counts }, seconds))
+    let counts = Counts { outside, empty_arc, wide, ..session.survey.counts };
+    let busy = [("read", run.busy.read), ("kernels", run.busy.kernels), ("take", run.busy.take)];
+    Ok(Done { counts, seconds, busy: busy.map(|(thread, s)| (thread.to_string(), s)).into() })
 }
 
 /// Keeps what was found, with a checksum, whole or not at all.

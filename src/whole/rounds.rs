@@ -15,6 +15,7 @@ use crate::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::mpsc::sync_channel;
+use std::time::{Duration, Instant};
 
 /// A finished chunk.
 #[derive(Debug, Clone)]
@@ -35,6 +36,43 @@ pub struct Run<'a> {
     found: Vec<u32>,
     /// `outside`, `empty_arc` and `wide` are counted while binning.
     pub counts: Counts,
+    /// How long the threads of the last round had work.
+    pub busy: Busy,
+}
+
+/// Seconds that the threads of a round had work.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Busy {
+    /// Reading and binning ahead.
+    pub read: f64,
+    /// Running kernels.
+    pub kernels: f64,
+    /// Taking finished chunks.
+    pub take: f64,
+}
+
+/// A thread's time, but for that it waits.
+struct Clock {
+    started: Instant,
+    waited: Duration,
+}
+
+impl Clock {
+    fn start() -> Clock {
+        Clock { started: Instant::now(), waited: Duration::ZERO }
+    }
+
+    /// Does what is but waiting for another thread.
+    fn wait<T>(&mut self, what: impl FnOnce() -> T) -> T {
+        let started = Instant::now();
+        let done = what();
+        self.waited += started.elapsed();
+        done
+    }
+
+    fn worked(&self) -> f64 {
+        (self.started.elapsed() - self.waited).as_secs_f64()
+    }
 }
 
 /// What the chunks are made of.
@@ -73,10 +111,19 @@ impl<'a> Run<'a> {
         if let Settings::Csm(csm) = method.settings() {
             let scanned = Scanned::read(&session.grid, csm, session.scans()?, (folder, memory), progress)?;
             let source = Source::Scans(Box::new(scanned));
-            return Ok(Run { session, method, batch, source, found: Vec::new(), counts: Counts::default() });
+            return Ok(Run {
+                session,
+                method,
+                batch,
+                source,
+                found: Vec::new(),
+                counts: Counts::default(),
+                busy: Busy::default(),
+            });
         }
         let source = Source::Readings(Bins::new(folder, memory));
-        let mut run = Run { session, method, batch, source, found: Vec::new(), counts: Counts::default() };
+        let mut run =
+            Run { session, method, batch, source, found: Vec::new(), counts: Counts::default(), busy: Busy::default() };
         let (mut held, mut number) = (Vec::with_capacity(batch), 0u64);
         for item in session.items()? {
             held.push(item?);
@@ -158,7 +205,7 @@ impl<'a> Run<'a> {
         let Some((place, count)) = self.places().into_iter().max_by_key(|p| p.1) else { return Ok((0, 0.0, None)) };
         let rounds = self.method.rounds().unwrap_or_default();
         let last = rounds.last().copied().unwrap_or_default();
-        let (started, mut done, mut failed) = (std::time::Instant::now(), 0, None);
+        let (started, mut done, mut failed) = (Instant::now(), 0, None);
         self.read_ahead(place, count, &last[..last.len().min(1)], backend.limits(), &mut |ready| {
             let mut share: Shares = vec![[1, 0, 0, 0]; ready.numbers.len()];
             let frame = frame(&self.session.grid, self.method);
@@ -215,19 +262,23 @@ impl<'a> Run<'a> {
         let result = std::thread::scope(|scope| {
             let (ready, batches) = sync_channel::<Result<Ready>>(1);
             let reader = scope.spawn(move || {
+                let mut clock = Clock::start();
                 let ahead = places.iter().try_for_each(|(place, count)| {
-                    this.read_ahead(*place, *count, traversals, limits, &mut |batch| ready.send(Ok(batch)).is_ok())
+                    let give = &mut |batch| clock.wait(|| ready.send(Ok(batch)).is_ok());
+                    this.read_ahead(*place, *count, traversals, limits, give)
                 });
                 if let Err(e) = ahead {
                     let _ = ready.send(Err(e));
                 }
+                clock.worked()
             });
             let (finished, chunks) = sync_channel::<(Place, Vec<u32>)>(1);
             let (give_back, zeros) = sync_channel::<Vec<u32>>(1);
             let reuses = backend.reuses();
             let taker = take.map(|take| {
                 scope.spawn(move || {
-                    for (place, words) in chunks {
+                    let mut clock = Clock::start();
+                    while let Ok((place, words)) = clock.wait(|| chunks.recv()) {
                         let grid = part(&session.grid, place);
                         let mut cells: Chunks = [([0, 0], words)].into();
                         let finished = layers::from_chunks(&grid, method, &cells);
@@ -238,11 +289,13 @@ impl<'a> Run<'a> {
                         }
                         take(Chunk { place, finished })?;
                     }
-                    Ok(())
+                    Ok(clock.worked())
                 })
             });
-            let work = || -> Result<()> {
-                for batch in batches {
+            let work = || -> Result<f64> {
+                // Gone with this closure, so that the reader never waits for one that failed.
+                let (mut clock, batches) = (Clock::start(), batches);
+                while let Ok(batch) = clock.wait(|| batches.recv()) {
                     let Ready { place, steps, batch, numbers, readings, last } = batch?;
                     let before = numbers.iter().map(|n| found.get(*n as usize).copied().unwrap_or(0));
                     let mut share: Shares = match last_round && tallied {
@@ -259,13 +312,13 @@ impl<'a> Run<'a> {
                         if !last_round && reuses {
                             words.fill(0);
                             backend.spare(words);
-                        } else if last_round && finished.send((place, words)).is_err() {
+                        } else if last_round && clock.wait(|| finished.send((place, words))).is_err() {
                             // A taker that failed has the error.
                             break;
                         }
                     }
                 }
-                Ok(())
+                Ok(clock.worked())
             };
             let worked = work();
             drop(finished);
@@ -273,11 +326,13 @@ impl<'a> Run<'a> {
             let died =
                 |who: &str| Error::Resources(format!("{who} died; this is a defect of echogrid: please report it"));
             let read = reader.join().map_err(|_| died("the chunks' reader"));
-            let taken = taker.map_or(Ok(()), |t| t.join().unwrap_or_else(|_| Err(died("the chunks' writer"))));
-            worked.and(read).and(taken)
+            let taken = taker.map_or(Ok(0.0), |t| t.join().unwrap_or_else(|_| Err(died("the chunks' writer"))));
+            let kernels = worked?;
+            Ok(Busy { read: read?, kernels, take: taken? })
         });
         self.found = found;
-        result
+        self.busy = result?;
+        Ok(())
     }
 
     /// Reads a chunk's readings, batch by batch, and bins them; stops when nobody takes them any more.

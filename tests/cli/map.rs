@@ -17,6 +17,7 @@ fn the_report_holds_all_that_the_documentation_lists() {
         "adapter",
         "backend",
         "bad_lines",
+        "busy",
         "cells",
         "layers",
         "log",
@@ -62,6 +63,7 @@ fn the_report_holds_all_that_the_documentation_lists() {
         assert_eq!(keys(&report["layers"][layer]), ["max", "min", "scale", "sum"], "{layer}");
     }
     assert_eq!(keys(&report["seconds"]), ["bin", "map", "survey", "write"]);
+    assert_eq!(keys(&report["busy"]), ["kernels", "read", "take"]);
     assert_eq!(report["backend"], "cpu");
     assert!(report["adapter"].as_str().unwrap().contains("thread"));
     assert_eq!(report["version"], env!("CARGO_PKG_VERSION"));

@@ -11,6 +11,7 @@ fn files(place: &Place, folder: &str) -> BTreeMap<String, Vec<u8>> {
     for key in ["seconds", "peak_memory", "adapter"] {
         report.as_object_mut().unwrap().remove(key).unwrap();
     }
+    report.as_object_mut().unwrap().remove("busy");
     if let Some(features) = report.get_mut("features") {
         for key in ["seconds", "overlap"] {
             features.as_object_mut().unwrap().remove(key).unwrap();

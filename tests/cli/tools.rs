@@ -117,8 +117,8 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     let place = Place::new();
     let before = place.names("");
     let ran = place.does(&["plan", "log.jsonl"]);
-    let heads: Vec<&str> = ran.out.lines().map(|l| l.split("  ").next().unwrap()).take(8).collect();
-    assert_eq!(heads, ["log", "readings", "grid", "chunks", "", "round 1", "memory", "disk"]);
+    let heads: Vec<&str> = ran.out.lines().map(|l| l.split("  ").next().unwrap()).take(9).collect();
+    assert_eq!(heads, ["log", "readings", "grid", "chunks", "", "round 1", "memory", "card", "disk"]);
     let cpu = ran.out.lines().find(|l| l.starts_with("cpu       about ")).unwrap();
     assert!(cpu.contains(" k readings/s, ") && cpu.contains(" s to write a chunk ("), "{cpu}");
     for line in [
@@ -138,6 +138,7 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     assert_eq!((&plan["cells"]["width"], &plan["readings"]["used"]), (&json!(82), &json!(4)));
     assert_eq!((&plan["parameters"]["r_max"], &plan["parameters"]["max_occ"]), (&json!("4"), &json!("0.98")));
     assert_eq!((&plan["chunks"][0]["row"], &plan["chunks"][0]["column"]), (&json!(0), &json!(0)));
+    assert!(plan["card"].as_u64().unwrap() > 4 * 20 * (1 << 20), "four chunks of 20 bytes a cell: {plan}");
     assert_eq!((&plan["chunks"][0]["readings"], &plan["binned"]), (&json!(4), &json!(4)));
     assert_eq!((&plan["fits"], &plan["rounds"]), (&json!(true), &json!(["fuse"])));
     let cpu = plan["expected"].as_array().unwrap().iter().find(|e| e["backend"] == "cpu").unwrap();

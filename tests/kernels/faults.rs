@@ -172,8 +172,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "the laser's band is missing",
-        from: "let inside = wedge | band;",
-        to: "let inside = wedge;",
+        from: "return wedge | band;",
+        to: "return wedge;",
         methods: CONES,
         scene: few,
     },
@@ -768,14 +768,14 @@ fn faults_of_hardware_kernels_are_seen() {
         ("a tile inside is left out", "row.interior = vec4<bool>(true);", "row.interior = vec4<bool>(false);", CONES),
         (
             "a tile inside is measured from elsewhere",
-            "row.d2 = vec4<f32>(x * x + v.y * v.y);\n    row.across = vec4<f32>(abs(cross_4(cone.axis, x, v.y)));\n    row.along = vec4<f32>(dot_4(cone.axis, x, v.y));\n    return row;",
-            "row.d2 = vec4<f32>(x * x);\n    row.across = vec4<f32>(abs(cross_4(cone.axis, x, v.y)));\n    row.along = vec4<f32>(dot_4(cone.axis, x, v.y));\n    return row;",
+            "row.d2 = vec4<f32>(x * x + v.y * v.y);\n    row.across = vec4<f32>(abs(cross_4(",
+            "row.d2 = vec4<f32>(x * x);\n    row.across = vec4<f32>(abs(cross_4(",
             &["certainty", "bayes"],
         ),
         (
             "a tile off the arc is left out",
-            "    row.arc = vec4<bool>(false);\n    return row;",
-            "    row.interior = vec4<bool>(false);\n    return row;",
+            "row.interior = between_edges(cone, x, v.y, across, along) &",
+            "row.interior = vec4<bool>(false) &",
             CONES,
         ),
     ];

@@ -40,6 +40,7 @@ pub fn info() -> RunInfo {
         log: LogInfo { path: "logs/a.csv".into(), sha256: "ab".repeat(32) },
         sensors: Vec::new(),
         readings: Counts { read: 9, used: 7, ..Counts::default() },
+        busy: Vec::new(),
         seconds: vec![("read".into(), 0.25), ("map".into(), 1.5)],
         backend: "cpu".into(),
         adapter: None,

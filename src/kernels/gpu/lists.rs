@@ -148,6 +148,9 @@ impl Lister {
         run(&self.measure, &[0, 1, 2, 3, 4, 5], tiles, 1);
         run(&self.place, &[5], 1, 1);
         run(&self.list, &[0, 1, 2, 3, 4, 5, 6], tiles, 1);
+        drop(pass);
+        pool.done(by_block);
+        pool.done(counts);
         listed
     }
 }

@@ -53,8 +53,8 @@ pub struct Gpu {
     /// Memory of chunks that were handed over.
     spare: Vec<wgpu::Buffer>,
     pool: Pool,
-    /// The batch before, still under way, and its buffers: the host bins the next one meanwhile, and only two are held.
-    pending: Option<(wgpu::SubmissionIndex, Vec<wgpu::Buffer>)>,
+    /// The batch before, still under way: the host bins the next one meanwhile, and only two wait.
+    pending: Option<wgpu::SubmissionIndex>,
     timer: Option<Timer>,
     patches: Vec<Patch>,
     lister: Option<Lister>,
@@ -270,9 +270,9 @@ impl Backend for Gpu {
         if let Some(timer) = &mut self.timer {
             timer.read(&self.device)?;
         }
-        if let Some((before, taken)) = self.pending.replace((submitted, self.pool.taken())) {
+        self.pool.recycle();
+        if let Some(before) = self.pending.replace(submitted) {
             self.device.wait(Some(before))?;
-            self.pool.free(taken);
         }
         self.healthy()
     }

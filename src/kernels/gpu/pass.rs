@@ -4,8 +4,9 @@
 use super::Options;
 use super::device::Device;
 use super::shader::{self, Kernel};
-use crate::layout::{BROAD, Cone, WIDE};
+use crate::layout::{BROAD, Cone, LASER, WIDE};
 use crate::method::{self, Method, Unit};
+use crate::snap::Footprint;
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -20,13 +21,15 @@ pub struct Needs {
     pub wide: bool,
     /// One has a β of more than 22.5°: another way to its angle.
     pub broad: bool,
+    /// One is a laser's: a band beside its wedge.
+    pub lasers: bool,
 }
 
 impl Needs {
     /// Of these readings.
     pub fn of(cones: &[Cone]) -> Needs {
         let flags = cones.iter().fold(0, |flags, c| flags | c.flags);
-        Needs { wide: flags & WIDE != 0, broad: flags & BROAD != 0 }
+        Needs { wide: flags & WIDE != 0, broad: flags & BROAD != 0, lasers: flags & LASER != 0 }
     }
 }
 
@@ -47,9 +50,11 @@ fn overrides(
 ) -> impl Iterator<Item = (&'static str, bool)> {
     let (unit, looks) = (method.unit(), kernel != Kernel::Sum);
     let variant = method.variant().filter(|_| looks);
-    let broad = (unit != Unit::Scan && looks).then_some(("BROAD_BEAMS", needs.broad));
-    let lists = (unit == Unit::Reading && looks).then_some([("STAGED", staged), ("TOLD_APART", staged && !needs.wide)]);
-    variant.into_iter().chain(broad).chain(lists.into_iter().flatten())
+    let cones = (unit != Unit::Scan && looks).then_some([("BROAD_BEAMS", needs.broad), ("LASERS", needs.lasers)]);
+    // A cone in 32 bits, not its axis alone.
+    let apart = staged && !needs.wide && method.footprint() != Footprint::Axis;
+    let lists = (unit == Unit::Reading && looks).then_some([("STAGED", staged), ("TOLD_APART", apart)]);
+    variant.into_iter().chain(cones.into_iter().flatten()).chain(lists.into_iter().flatten())
 }
 
 /// The pipelines, and the one layout of their bindings.

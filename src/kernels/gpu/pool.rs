@@ -1,4 +1,7 @@
 //! Buffers that are used again: a card's memory is slow to allocate, and a batch is soon over.
+//!
+//! Submissions run in order, and what the host writes comes before the next of them. So a buffer may be taken again as soon as all that
+//! uses it is submitted, done or not; and one that the host never writes as soon as that is recorded.
 
 use super::device::Device;
 use bytemuck::Pod;
@@ -19,32 +22,22 @@ impl Piece {
     }
 }
 
-/// Buffers that nothing uses now, and those that were taken since the last [`Pool::taken`].
+/// Buffers to be used again.
 #[derive(Default)]
 pub struct Pool {
+    /// Those that nothing uses any more.
     free: Vec<wgpu::Buffer>,
+    /// Those that only what is recorded since the last [`Pool::recycle`] uses: the host may not write them.
+    scratch: Vec<wgpu::Buffer>,
+    /// Those taken since then.
     taken: Vec<wgpu::Buffer>,
 }
 
 impl Pool {
-    /// So many bytes, whatever they are.
+    /// So many bytes, whatever they are, for kernels to write.
     pub fn any(&mut self, device: &Device, bytes: u64) -> Piece {
-        let bytes = bytes.max(16);
-        let room = bytes.next_power_of_two();
-        // A much larger one is left for who needs it.
-        let fits = |b: &wgpu::Buffer| (bytes..=2 * room).contains(&b.size());
-        let found = self.free.iter().enumerate().filter(|(_, b)| fits(b)).min_by_key(|(_, b)| b.size()).map(|f| f.0);
-        let buffer = match found {
-            Some(k) => self.free.swap_remove(k),
-            None => device.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("pooled"),
-                size: room.min(device.found.buffer).max(bytes),
-                usage: Usage::STORAGE | Usage::UNIFORM | Usage::COPY_SRC | Usage::COPY_DST,
-                mapped_at_creation: false,
-            }),
-        };
-        self.taken.push(buffer.clone());
-        Piece { buffer, bytes }
+        let found = find(&mut self.scratch, bytes);
+        self.piece(device, found, bytes)
     }
 
     /// So many zeros, once the encoder's commands run.
@@ -56,18 +49,41 @@ impl Pool {
 
     /// A copy of `contents`, or where there is nothing, something to bind.
     pub fn filled<T: Pod>(&mut self, device: &Device, contents: &[T]) -> Piece {
-        let piece = self.any(device, size_of_val(contents).max(size_of::<T>()) as u64);
+        let piece = self.piece(device, None, size_of_val(contents).max(size_of::<T>()) as u64);
         device.queue.write_buffer(&piece.buffer, 0, bytemuck::cast_slice(contents));
         piece
     }
 
-    /// What was taken since the last call: to be given back by [`Pool::free`] when the device is done with it.
-    pub fn taken(&mut self) -> Vec<wgpu::Buffer> {
-        std::mem::take(&mut self.taken)
+    fn piece(&mut self, device: &Device, found: Option<wgpu::Buffer>, bytes: u64) -> Piece {
+        let bytes = bytes.max(16);
+        let buffer = found.or_else(|| find(&mut self.free, bytes)).unwrap_or_else(|| {
+            device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("pooled"),
+                size: bytes.next_power_of_two().min(device.found.buffer).max(bytes),
+                usage: Usage::STORAGE | Usage::UNIFORM | Usage::COPY_SRC | Usage::COPY_DST,
+                mapped_at_creation: false,
+            })
+        });
+        self.taken.push(buffer.clone());
+        Piece { buffer, bytes }
     }
 
-    /// Takes buffers back.
-    pub fn free(&mut self, buffers: Vec<wgpu::Buffer>) {
-        self.free.extend(buffers);
+    /// Takes a piece of [`Pool::any`] back that nothing uses but what is recorded.
+    pub fn done(&mut self, piece: Piece) {
+        self.taken.retain(|b| *b != piece.buffer);
+        self.scratch.push(piece.buffer);
     }
+
+    /// Takes everything back: all that uses it is submitted.
+    pub fn recycle(&mut self) {
+        self.free.append(&mut self.taken);
+        self.free.append(&mut self.scratch);
+    }
+}
+
+/// Takes the smallest buffer that is large enough out; a much larger one is left for who needs it.
+fn find(buffers: &mut Vec<wgpu::Buffer>, bytes: u64) -> Option<wgpu::Buffer> {
+    let fits = |b: &wgpu::Buffer| (bytes..=2 * bytes.next_power_of_two()).contains(&b.size());
+    let found = buffers.iter().enumerate().filter(|(_, b)| fits(b)).min_by_key(|(_, b)| b.size())?.0;
+    Some(buffers.swap_remove(found))
 }
