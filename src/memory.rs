@@ -2,7 +2,7 @@
 
 use crate::batch::PAIRS;
 use crate::grid::GridSpec;
-use crate::layout::{BLOCKS, CHUNK, Cone, Entry, Near, TILE};
+use crate::layout::{BLOCKS, CHUNK, Cone, Entry, Near, SEGMENT, TILE};
 use crate::method::{self, Method, Unit};
 use crate::{Error, Result};
 
@@ -77,13 +77,13 @@ pub fn whole(grid: &GridSpec, method: &dyn Method, batch: usize, readings: u64, 
     4 * words + 3 * layers + 3 * batched(batch) + found + poses + (1 << 24)
 }
 
-/// What the whole-log way takes on a card, bytes: the cells of a chunk, of two that were handed over, and of one on its way back; a batch's
-/// buffers, rounded up.
+/// What the whole-log way takes on a card, bytes: the cells of a chunk, of two that were handed over, and of one on its way back; the
+/// buffers of a batch, rounded up. No adapter tells how much it has free.
 pub fn card(method: &dyn Method, batch: usize) -> u64 {
     let words = (method::tile_words(method) * CHUNK * CHUNK * 4) as u64;
     let cone = size_of::<Cone>() + size_of::<Near>() + size_of::<[u32; 4]>() + BLOCKS * BLOCKS * size_of::<u32>();
-    let pairs = (batch as u64 * 64).min(PAIRS as u64);
-    4 * words + 2 * (batch * cone) as u64 + 2 * pairs * (size_of::<Entry>() + size_of::<f32>()) as u64
+    let pair = size_of::<Entry>() + size_of::<f32>();
+    4 * words + 2 * (batch.next_multiple_of(SEGMENT) * cone + PAIRS * pair) as u64
 }
 
 /// Readings at a time in the whole-log way: no more than `batch`, and so few that batches take a third of `limit`.

@@ -152,3 +152,17 @@ fn the_overview_is_a_pyramid_of_the_strongest() {
     let picture = image::open(place.join("map.png")).unwrap();
     assert_eq!((picture.width() as usize, picture.height() as usize), (map.grid.width, map.grid.height));
 }
+
+/// What a card needs is held against the cap, too.
+#[test]
+fn a_card_that_would_take_more_than_the_cap() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = log(folder.path(), "ring8");
+    let session = session(&log, Settings::of("bayes").unwrap());
+    let plan = Plan::of(&session, 1 << 16, None).unwrap();
+    // Four chunks of 20 bytes a cell at least.
+    assert!(plan.card > (4 * 20) << 20, "{plan:?}");
+    assert!(plan.check_card(&session, None).is_ok() && plan.check_card(&session, Some(plan.card)).is_ok());
+    let why = plan.check_card(&session, Some(plan.card - (1 << 20))).unwrap_err().to_string();
+    assert!(why.contains(" on the card, but --memory allows ") && why.contains("--backend cpu"), "{why}");
+}

@@ -8,13 +8,12 @@ fn take_in(
     cone: Cone,
     row: Row,
     share: vec4<u32>,
-    one: u32,
     counts: ptr<function, array<vec4<u32>, 2>>,
     cells: ptr<function, Cells>,
 ) {
     if any(row.interior | row.arc) {
-        (*counts)[0] += select(vec4<u32>(0u), vec4<u32>(one), row.interior);
-        (*counts)[1] += select(vec4<u32>(0u), vec4<u32>(one), row.arc);
+        (*counts)[0] += vec4<u32>(row.interior);
+        (*counts)[1] += vec4<u32>(row.arc);
         fuse_cells(cone, row, share, cells);
     }
 }
@@ -42,17 +41,17 @@ fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             if TOLD_APART && (entry.cone & INSIDE) != 0u {
                 // each GROUP
                 var row_GROUP = look_inside(cone, cell_GROUP);
-                take_in(cone, row_GROUP, share, one, &counts_GROUP, &cells_GROUP);
+                take_in(cone, row_GROUP, share, &counts_GROUP, &cells_GROUP);
                 // end
             } else if TOLD_APART && (entry.cone & ARC) == 0u {
                 // each GROUP
                 var row_GROUP = look_before(cone, cell_GROUP);
-                take_in(cone, row_GROUP, share, one, &counts_GROUP, &cells_GROUP);
+                take_in(cone, row_GROUP, share, &counts_GROUP, &cells_GROUP);
                 // end
             } else {
                 // each GROUP
                 var row_GROUP = look(cone, cell_GROUP);
-                take_in(cone, row_GROUP, share, one, &counts_GROUP, &cells_GROUP);
+                take_in(cone, row_GROUP, share, &counts_GROUP, &cells_GROUP);
                 // end
             }
         }
@@ -62,8 +61,8 @@ fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         // end
     }
     // each GROUP
-    state[at + GROUP * THREADS] += counts_GROUP[0];
-    state[at + GROUP * THREADS + 64u] += counts_GROUP[1];
+    state[at + GROUP * THREADS] += one * counts_GROUP[0];
+    state[at + GROUP * THREADS + 64u] += one * counts_GROUP[1];
     store(cells_GROUP, at + GROUP * THREADS + 128u);
     // end
 }

@@ -5,13 +5,21 @@
 
 @group(0) @binding(5) var<storage, read_write> parts: array<f32>;
 
-// Of each entry of a stage, row by row of the tile, what its four groups come to; a row more, so that entries begin in different banks.
-var<workgroup> held: array<vec4<f32>, STAGE * 17u>;
+// Of each entry of a stage what its tile's 64 groups come to: single numbers, since threads that write parts of one vector race; one more
+// for each, so that entries begin in different banks.
+const STRIDE: u32 = 65u;
+var<workgroup> held: array<f32, STAGE * STRIDE>;
+
+// A row of the tile's groups.
+fn groups_of(at: u32) -> vec4<f32> {
+    return vec4<f32>(held[at], held[at + 1u], held[at + 2u], held[at + 3u]);
+}
 
 fn part_of_tile(at: u32) -> f32 {
-    let columns = held[at] + held[at + 1u] + held[at + 2u] + held[at + 3u] + held[at + 4u] + held[at + 5u] + held[at + 6u]
-        + held[at + 7u] + held[at + 8u] + held[at + 9u] + held[at + 10u] + held[at + 11u] + held[at + 12u] + held[at + 13u]
-        + held[at + 14u] + held[at + 15u];
+    let columns = groups_of(at) + groups_of(at + 4u) + groups_of(at + 8u) + groups_of(at + 12u) + groups_of(at + 16u)
+        + groups_of(at + 20u) + groups_of(at + 24u) + groups_of(at + 28u) + groups_of(at + 32u) + groups_of(at + 36u)
+        + groups_of(at + 40u) + groups_of(at + 44u) + groups_of(at + 48u) + groups_of(at + 52u) + groups_of(at + 56u)
+        + groups_of(at + 60u);
     return (columns.x + columns.y) + (columns.z + columns.w);
 }
 
@@ -41,7 +49,7 @@ fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         for (var k = first; k < end; k++) {
             let entry = entry_at(k, first);
             let cone = cone_at(k, first);
-            let base = (k - first) * 17u;
+            let base = (k - first) * STRIDE + lane;
             if TOLD_APART && (entry.cone & INSIDE) != 0u {
                 // each GROUP
                 _ = part_of_group(cone, look_inside(cone, cell_GROUP), &cells_GROUP);
@@ -53,8 +61,7 @@ fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
             } else {
                 // each GROUP
                 var row_GROUP = look(cone, cell_GROUP);
-                let group_GROUP = lane + GROUP * THREADS;
-                held[base + group_GROUP / 4u][group_GROUP % 4u] = part_of_group(cone, row_GROUP, &cells_GROUP);
+                held[base + GROUP * THREADS] = part_of_group(cone, row_GROUP, &cells_GROUP);
                 // end
             }
         }
@@ -62,7 +69,7 @@ fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         for (var k = first + lane; k < end; k += THREADS) {
             let entry = entry_at(k, first);
             if (entry.cone & ARC) != 0u {
-                parts[entry.slot] = part_of_tile((k - first) * 17u);
+                parts[entry.slot] = part_of_tile((k - first) * STRIDE);
             }
         }
         // Before the next stage's evidence overwrites this one's.

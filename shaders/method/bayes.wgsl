@@ -16,8 +16,9 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
     let at = polar(cone, row);
     let p = likelihood(murphy(cone.profile.x, at.distance, at.turn), row.arc);
     let other = 1.0 - p;
-    let one = vec4<f32>(1.0);
-    let reached = row.interior | row.arc;
-    (*cells).occupied = (*cells).occupied * select(one, select(other, p, row.arc), reached);
-    (*cells).empty = (*cells).empty * select(one, select(p, other, row.arc), reached);
+    let member = row.interior | row.arc;
+    let occupied = (*cells).occupied * select(other, p, row.arc);
+    let empty = (*cells).empty * select(p, other, row.arc);
+    (*cells).occupied = select((*cells).occupied, occupied, member);
+    (*cells).empty = select((*cells).empty, empty, member);
 }

@@ -31,14 +31,15 @@ impl Binning {
         let (mut parts, mut flags) = (0, 0);
         for run in runs {
             let cones = batch.cones.len() as u32;
-            batch.first_part.extend(run.first_part.iter().map(|p| p + parts));
+            batch.first_part.extend(run.first_part.iter().map(|p| p.saturating_add(parts)));
             for (place, near) in run.chunks {
-                let moved = near.into_iter().map(|n| Near { cone: n.cone + cones, part: n.part + parts, ..n });
+                let moved =
+                    near.into_iter().map(|n| Near { cone: n.cone + cones, part: n.part.saturating_add(parts), ..n });
                 places.entry(place).or_default().extend(moved);
             }
             flags |= run.cones.iter().fold(0, |flags, c| flags | c.flags);
             batch.cones.extend(run.cones.iter().map(|c| Cone { index: c.index + cones, ..*c }));
-            parts += run.parts;
+            parts = u32::saturating_add(parts, run.parts);
         }
         if flags & WIDE != 0 {
             return None;
@@ -68,7 +69,8 @@ impl Binning {
                 let high = [tile(columns.end, 0), tile(rows.end, 1)];
                 let near = Near { cone: index, part: run.parts, low, high };
                 run.chunks.entry([place[1], place[0]]).or_default().push(near);
-                run.parts += if arcs { (high[0] - low[0]) * (high[1] - low[1]) } else { 0 };
+                // More than fit are more than a batch may have.
+                run.parts = run.parts.saturating_add(if arcs { (high[0] - low[0]) * (high[1] - low[1]) } else { 0 });
             }
         }
         run

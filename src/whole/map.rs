@@ -44,18 +44,21 @@ impl Plan {
         let (grid, method, used) = (&session.grid, session.method.as_ref(), session.survey.counts.used);
         let batch = memory::whole_batch(batch, limit);
         let needed = memory::whole(grid, method, batch, used, session.survey.scans);
+        let card = memory::card(method, batch);
         session.check_memory(needed, cap)?;
         // map.pgm, and the levels of the overview
         let disk = grid.cells() as u64 + grid.cells() as u64 / 3;
-        let card = memory::card(method, batch);
         Ok(Plan { batch, needed, bins: limit.saturating_sub(needed) / 2, card, disk })
     }
 
     /// Fails where a card would need more than the cap, bytes. No adapter tells how much it has free: one that runs out says so.
+    ///
+    /// # Errors
+    /// [`Error::Resources`].
     pub fn check_card(&self, session: &Session, cap: Option<u64>) -> Result<()> {
         match cap {
             Some(cap) if self.card > cap => Err(session.explain(Error::Resources(format!(
-                "a chunk and its batches take {} on the card, but --memory allows {}: give more, or use --backend cpu",
+                "the cells of a chunk and a batch take {} on the card, but --memory allows {}: give more, or use --backend cpu",
                 show(self.card),
                 show(cap)
             )))),

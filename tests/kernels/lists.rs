@@ -19,25 +19,38 @@ fn cones(scene: &Scene, footprint: Footprint) -> Vec<Cone> {
     scene.items.iter().filter_map(snap).filter(|c| c.flags & WIDE == 0).collect()
 }
 
-/// Holds the lists of a scene against the host's; how many entries, and how many on an arc.
-fn check(gpu: &mut Gpu, scene: &Scene, footprint: Footprint, no_echo_arcs: bool) -> (usize, usize) {
-    let size = [scene.grid.width, scene.grid.height];
-    let binning = Binning { size, footprint, no_echo_arcs, only: None };
-    let cones = cones(scene, footprint);
-    let what = format!("{}, {footprint:?}", scene.name);
-    let host = binning.bin(cones.clone());
-    let near = binning.near(&cones, |c| Some(*c)).unwrap();
-    let listed = gpu.list(size, &binning, &near).unwrap();
-    let without_slots = |entries: &[Entry]| entries.iter().map(|e| e.cone).collect::<Vec<_>>();
-    let filled: Vec<&ChunkList> = listed.iter().filter(|c| !c.entries.is_empty()).collect();
-    assert_eq!(filled.len(), host.chunks.len(), "{what}");
-    for (ours, theirs) in filled.iter().zip(&host.chunks) {
-        assert!((ours.place, &ours.tiles) == (theirs.place, &theirs.tiles), "{what}: other tiles");
-        assert!(without_slots(&ours.entries) == without_slots(&theirs.entries), "{what}: other entries");
+/// A scene's lists by the host and by the GPU.
+struct Listed {
+    what: String,
+    near: Batch,
+    host: Batch,
+    listed: Vec<ChunkList>,
+}
+
+impl Listed {
+    fn of(gpu: &mut Gpu, scene: &Scene, footprint: Footprint, no_echo_arcs: bool) -> Listed {
+        let size = [scene.grid.width, scene.grid.height];
+        let binning = Binning { size, footprint, no_echo_arcs, only: None };
+        let cones = cones(scene, footprint);
+        let near = binning.near(&cones, |c| Some(*c)).unwrap();
+        let listed = gpu.list(size, &binning, &near).unwrap();
+        Listed { what: format!("{}, {footprint:?}", scene.name), near, host: binning.bin(cones), listed }
     }
-    parts(&near, &filled, &host, &what);
-    let entries = || filled.iter().flat_map(|c| &c.entries);
-    (entries().count(), entries().filter(|e| e.cone & ARC != 0).count())
+
+    /// Holds them against each other; how many entries there are, and how many on an arc.
+    fn check(&self) -> (usize, usize) {
+        let Listed { what, near, host, listed } = self;
+        let without_slots = |entries: &[Entry]| entries.iter().map(|e| e.cone).collect::<Vec<_>>();
+        let filled: Vec<&ChunkList> = listed.iter().filter(|c| !c.entries.is_empty()).collect();
+        assert_eq!(filled.len(), host.chunks.len(), "{what}");
+        for (ours, theirs) in filled.iter().zip(&host.chunks) {
+            assert!((ours.place, &ours.tiles) == (theirs.place, &theirs.tiles), "{what}: other tiles");
+            assert!(without_slots(&ours.entries) == without_slots(&theirs.entries), "{what}: other entries");
+        }
+        parts(near, &filled, host, what);
+        let entries = || filled.iter().flat_map(|c| &c.entries);
+        (entries().count(), entries().filter(|e| e.cone & ARC != 0).count())
+    }
 }
 
 /// A reading's parts lie within its own, none twice, in the host's order.
@@ -76,7 +89,7 @@ fn lists_are_those_of_the_host() {
     {
         for footprint in [Footprint::Cone, Footprint::Wedge, Footprint::Axis] {
             for no_echo_arcs in [false, true] {
-                let found = check(&mut gpu, &scene, footprint, no_echo_arcs);
+                let found = Listed::of(&mut gpu, &scene, footprint, no_echo_arcs).check();
                 (entries, arcs) = (entries + found.0, arcs + found.1);
             }
         }
@@ -120,8 +133,8 @@ fn faults_in_lists_are_seen() {
         let Some(mut gpu) = open(Options { lists: Some(true), patches, ..Options::default() }) else { return };
         let scenes = [scenes::crowd(), scenes::ragged(), scenes::chunks(), scenes::large()];
         let seen = scenes.iter().any(|scene| {
-            let held = std::panic::AssertUnwindSafe(|| check(&mut gpu, scene, Footprint::Cone, false));
-            std::panic::catch_unwind(held).is_err()
+            let listed = Listed::of(&mut gpu, scene, Footprint::Cone, false);
+            std::panic::catch_unwind(|| listed.check()).is_err()
         });
         if !seen {
             unseen.push(what);

@@ -15,6 +15,8 @@ const UNROLLED: u32 = 16;
 const OPERATIONS: f64 = 128.0 * UNROLLED as f64 * 32.0;
 /// Bytes that are copied on hardware, more than its caches hold, and on a software adapter.
 const BYTES: [u64; 2] = [512 << 20, 64 << 20];
+/// Fewer show nothing.
+const LEAST: u64 = 1 << 20;
 /// Vectors that a thread copies.
 const COPIES: u64 = 8;
 /// Seconds that a measured submission should take at least: its start and its end cost some.
@@ -22,9 +24,16 @@ const LONG: f64 = 0.02;
 
 /// Measures them.
 pub fn ceilings(device: &Device) -> Result<Ceilings> {
-    let bytes = BYTES[usize::from(device.found.software)].min(device.bindable() as u64);
-    let source = device.zeros("ceiling source", bytes);
-    let sink = device.zeros("ceiling sink", bytes);
+    let mut bytes = BYTES[usize::from(device.found.software)].min(device.bindable() as u64);
+    let [source, sink] = loop {
+        // A small card has less free.
+        let scope = device.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let buffers = ["ceiling source", "ceiling sink"].map(|label| device.zeros(label, bytes));
+        match pollster::block_on(scope.pop()) {
+            Some(_) if bytes > LEAST => bytes /= 2,
+            _ => break buffers,
+        }
+    };
     let rate = |source_code: &str, groups: u32, work: f64| -> Result<f64> {
         let pipeline = pipeline(device, source_code)?;
         let group = device.device.create_bind_group(&wgpu::BindGroupDescriptor {

@@ -12,7 +12,8 @@ mod upload;
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
 use crate::batch::Batch;
-use crate::layout::{CHUNK, Cone, Entry, Frame, TILE_CELLS};
+use crate::layout::{BLOCKS, CHUNK, Cone, Entry, Frame, SEGMENT, TILE_CELLS};
+use crate::mapper::BATCH;
 use crate::method::{self, Method, Step};
 use crate::{Error, Result};
 use adapter::Found;
@@ -41,7 +42,8 @@ pub struct Options {
     /// Whether kernels stage readings in workgroup memory and tell tiles apart; `None`: what suits the adapter's class. Results don't
     /// depend on it.
     pub staged: Option<bool>,
-    /// Whether the GPU lists tiles itself; `None`: what suits the adapter's class. Results don't depend on it.
+    /// Whether the GPU lists tiles itself; `None`: what suits the adapter's class. Results don't depend on it, but that a software
+    /// adapter's lists are not held to as many entries as it can go through ([`Limits::turns`]): on one it is for tests.
     pub lists: Option<bool>,
 }
 
@@ -67,9 +69,12 @@ pub(crate) const PART_BYTES: usize = size_of::<f32>();
 /// Bytes that the cells of a chunk take at most, of a method that takes readings.
 const LARGEST_CHUNK: u64 = 32 * (CHUNK * CHUNK * TILE_CELLS) as u64;
 
+/// Bytes that a near cone takes in the lists of blocks at most.
+const IN_BLOCKS: usize = BLOCKS * BLOCKS * size_of::<u32>();
+
 /// How often a software adapter's thread may go round the loop over a tile's entries: with what it goes round for each stage of
-/// sixteen, six times at most, a little less than Mesa's 65535.
-const SOFTWARE_TURNS: usize = 45_000;
+/// sixteen, ten times at most, less than Mesa's 65535.
+const SOFTWARE_TURNS: usize = 40_000;
 
 impl Gpu {
     /// Opens the best adapter.
@@ -84,8 +89,9 @@ impl Gpu {
 
     fn on(device: Device, options: &Options) -> Gpu {
         let passes = Passes::new(&device, options);
-        // The lists of any method's chunk must fit into one binding.
-        let able = device.found.binding >= LARGEST_CHUNK && device.found.workgroups as usize >= CHUNK * CHUNK;
+        // Any method's chunk, and a usual batch's cones by block, must fit into one binding.
+        let largest = LARGEST_CHUNK.max((BATCH * IN_BLOCKS) as u64);
+        let able = device.found.binding >= largest && device.found.workgroups as usize >= CHUNK * CHUNK;
         let lists = able && options.lists.unwrap_or(!device.found.software);
         Gpu {
             device,
@@ -164,12 +170,13 @@ impl Backend for Gpu {
 
     fn limits(&self) -> Limits {
         let bindable = self.device.bindable();
+        let one = if self.lists { IN_BLOCKS } else { size_of::<Cone>() };
         Limits {
-            // Sum takes a thread a reading, 64 in a group.
-            readings: (bindable / size_of::<Cone>()).min(64 * self.found().workgroups as usize),
+            // Sum takes a thread a reading, 64 in a group; blocks take whole segments.
+            readings: (bindable / one / SEGMENT * SEGMENT).min(64 * self.found().workgroups as usize),
             entries: bindable / size_of::<Entry>(),
             parts: bindable / PART_BYTES,
-            turns: if self.found().software && !self.lists { SOFTWARE_TURNS } else { usize::MAX },
+            turns: if self.found().software { SOFTWARE_TURNS } else { usize::MAX },
             lists: self.lists,
         }
     }

@@ -40,7 +40,8 @@ pub fn plan(lane: &Lane) -> Value {
     told
 }
 
-/// The source of a kernel, as the project's own GPU backend has it for hardware.
+/// The source of a kernel, as the project's own GPU backend has it for hardware; its overrides keep their defaults, which suit any adapter,
+/// but for those that the batch decides.
 pub fn wgsl(lane: &Lane, ask: &Ask) -> Result<Answer> {
     let name = ask.text("kernel")?;
     let all = [Kernel::Weigh, Kernel::Count, Kernel::Fuse, Kernel::Sum];
