@@ -52,20 +52,25 @@ pub struct Measured {
     pub bytes: f64,
     /// Of the backend's ceilings, the share of that resource of which most is used, and which it is: flop, int or bytes.
     pub ceiling: Option<(f64, &'static str)>,
+    /// The same of the passes alone, by their own time: what the host does beside them left out.
+    pub kernels: Option<(f64, &'static str)>,
 }
 
 impl Measured {
     /// Holds the figures against what the backend can do at most.
     pub fn against(mut self, ceilings: Option<Ceilings>) -> Measured {
-        self.ceiling = ceilings.map(|c| {
-            let rate = self.updates_per_second;
+        let most = |rate: f64, c: Ceilings| {
             let used = [
                 (f64::from(self.flop) * rate / c.flop, "flop"),
                 (f64::from(self.int) * rate / c.int, "int"),
                 (self.bytes * rate / c.bytes, "bytes"),
             ];
             used.into_iter().fold((0.0, "flop"), |most, one| if one.0 > most.0 { one } else { most })
-        });
+        };
+        let passes: f64 = self.passes.iter().map(|p| p.1).sum();
+        let (whole, alone) = (self.updates_per_second, self.updates as f64 / passes);
+        (self.ceiling, self.kernels) =
+            (ceilings.map(|c| most(whole, c)), ceilings.filter(|_| passes > 0.0).map(|c| most(alone, c)));
         self
     }
 }
@@ -139,6 +144,7 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
         int: cost.int,
         bytes: moved as f64 / (updates as f64).max(1.0),
         ceiling: None,
+        kernels: None,
         workload: workload.name.clone(),
         method: crate::method::name(method).into(),
         backend: backend.name().into(),

@@ -167,6 +167,7 @@ impl Table {
             "binning",
             "B/update",
             "of ceiling",
+            "in kernels",
             "passes, ms",
         ]
         .map(String::from)
@@ -189,7 +190,8 @@ impl Table {
             format!("{:.1}", m.median * 1e3),
             format!("{:.1}", m.binning * 1e3),
             format!("{:.1}", m.bytes),
-            m.ceiling.map_or("-".into(), |(share, of)| format!("{:.0} % {of}", 100.0 * share)),
+            share(m.ceiling),
+            share(m.kernels),
             passes(m),
         ];
         // Faster or slower than it was, as a factor.
@@ -205,7 +207,7 @@ impl Table {
             say!("| {} |", cells.join(" | "));
             return;
         }
-        const WIDTHS: [usize; 10] = [25, 0, 12, 14, 10, 10, 10, 12, 36, 10];
+        const WIDTHS: [usize; 11] = [25, 0, 12, 14, 10, 10, 10, 12, 12, 44, 10];
         let width = |k: usize| if k == 1 { self.width } else { WIDTHS[k] };
         let cell = |(k, text): (usize, &String)| match k {
             0 | 1 => format!("{text:<0$}", width(k)),
@@ -243,9 +245,14 @@ fn growing(make: &dyn Fn(usize, usize) -> Workload) -> Vec<Workload> {
     more.into_iter().chain([512, 1024, 2048, 4096].map(|cells| one(1, cells, "cells"))).collect()
 }
 
+/// A share of a ceiling.
+fn share(share: Option<(f64, &str)>) -> String {
+    share.map_or("-".into(), |(share, of)| format!("{:.0} % {of}", 100.0 * share))
+}
+
 /// What each kind of pass took, ms.
 fn passes(m: &Measured) -> String {
-    let each: Vec<String> = m.passes.iter().map(|(name, s)| format!("{name} {:.1}", s * 1e3)).collect();
+    let each: Vec<String> = m.passes.iter().map(|(name, s)| format!("{name} {:.2}", s * 1e3)).collect();
     if each.is_empty() { "-".into() } else { each.join(" ") }
 }
 

@@ -69,6 +69,8 @@ impl Plan {
         let mut expected = Vec::new();
         for choice in [Choice::Gpu, Choice::Cpu] {
             let Ok(mut chosen) = choose(choice, session.method.as_ref(), self.log.threads) else { continue };
+            // The first batch makes the kernels.
+            run.calibrate(chosen.backend.as_mut(), 0.0)?;
             let (readings, seconds, chunk) = run.calibrate(chosen.backend.as_mut(), TRY)?;
             let chunk_seconds = chunk.map_or(Ok(0.0), |chunk| write(&session, &chunk))?;
             let rate = readings as f64 / seconds.max(1e-9);

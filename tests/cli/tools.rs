@@ -224,6 +224,11 @@ fn bench_gives_figures_for_every_method() {
             let wanted =
                 m[of].as_f64().unwrap() * m["updates_per_second"].as_f64().unwrap() / most[of].as_f64().unwrap();
             assert!((share / wanted - 1.0).abs() < 1e-6 && share < 1.5, "{m}");
+            // … and of the passes alone, by their own time
+            let alone: f64 = m["passes"].as_array().unwrap().iter().map(|p| p[1].as_f64().unwrap()).sum();
+            let (share, of) = (m["kernels"][0].as_f64().unwrap(), m["kernels"][1].as_str().unwrap());
+            let wanted = m[of].as_f64().unwrap() * m["updates"].as_f64().unwrap() / alone / most[of].as_f64().unwrap();
+            assert!((share / wanted - 1.0).abs() < 1e-6, "{m}");
             let passes: Vec<_> = m["passes"].as_array().unwrap().iter().map(|p| p[0].as_str().unwrap()).collect();
             let wanted: &[&str] = match entry.name {
                 "certainty" => &["fuse", "sum", "weigh"],
@@ -239,7 +244,18 @@ fn bench_gives_figures_for_every_method() {
     assert!(lines[0].starts_with("cpu: "), "{}", lines[0]);
     assert_eq!(
         lines[2].split("  ").filter(|s| !s.is_empty()).map(str::trim).collect::<Vec<_>>(),
-        ["method", "workload", "M updates/s", "k readings/s", "ms", "binning", "B/update", "of ceiling", "passes, ms"]
+        [
+            "method",
+            "workload",
+            "M updates/s",
+            "k readings/s",
+            "ms",
+            "binning",
+            "B/update",
+            "of ceiling",
+            "in kernels",
+            "passes, ms"
+        ]
     );
     assert!(lines[1].starts_with("at most ") && lines[1].contains(" GFLOP/s (fused), "), "{}", lines[1]);
     // Four workloads and the log, twice.
@@ -258,7 +274,7 @@ fn bench_compares_grows_and_prints_markdown() {
     let ran = place.does(&[&small[..], &["--markdown"]].concat());
     let table: Vec<&str> = ran.out.lines().filter(|l| l.starts_with('|')).collect();
     assert_eq!(table.len(), 2 + 4, "{}", ran.out);
-    assert!(table.iter().all(|l| l.matches('|').count() == 10 && l.ends_with('|')), "{}", ran.out);
+    assert!(table.iter().all(|l| l.matches('|').count() == 11 && l.ends_with('|')), "{}", ran.out);
     let found = place.does(&[&small[..], &["--growth", "--json"]].concat()).json();
     let row = |k: usize| (found["measured"][k]["workload"].as_str().unwrap(), &found["measured"][k]["readings"]);
     assert_eq!(
