@@ -1,7 +1,8 @@
 // Each tile's part of each reading's evidence on its arc; twin of src/kernels/cpu/walk.rs (weigh).
 //
 // A kernel of its own because the update needs the whole sum. What the threads' groups of four cells come to is added up in one
-// order, down the tile's four columns of groups, then across; sum.wgsl adds up the tiles.
+// order, down the tile's four columns of groups, then across: here where a stage is in workgroup memory, else in sum.wgsl, since
+// barriers cost a software adapter more than memory does. sum.wgsl adds up the tiles.
 
 @group(0) @binding(5) var<storage, read_write> parts: array<f32>;
 
@@ -61,19 +62,26 @@ fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
             } else {
                 // each GROUP
                 var row_GROUP = look(cone, cell_GROUP);
-                held[base + GROUP * THREADS] = part_of_group(cone, row_GROUP, &cells_GROUP);
+                let part_GROUP = part_of_group(cone, row_GROUP, &cells_GROUP);
+                if STAGED {
+                    held[base + GROUP * THREADS] = part_GROUP;
+                } else if (entry.cone & ARC) != 0u {
+                    parts[entry.slot * 64u + lane + GROUP * THREADS] = part_GROUP;
+                }
                 // end
             }
         }
-        workgroupBarrier();
-        for (var k = first + lane; k < end; k += THREADS) {
-            let entry = entry_at(k, first);
-            if (entry.cone & ARC) != 0u {
-                parts[entry.slot] = part_of_tile((k - first) * STRIDE);
+        if STAGED {
+            workgroupBarrier();
+            for (var k = first + lane; k < end; k += THREADS) {
+                let entry = entry_at(k, first);
+                if (entry.cone & ARC) != 0u {
+                    parts[entry.slot] = part_of_tile((k - first) * STRIDE);
+                }
             }
+            // Before the next stage's evidence overwrites this one's.
+            workgroupBarrier();
         }
-        // Before the next stage's evidence overwrites this one's.
-        workgroupBarrier();
         first = end;
     }
 }

@@ -137,8 +137,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "a row of the evidence is left out",
-        from: "let columns = groups_of(at) + groups_of(at + 4u)",
-        to: "let columns = groups_of(at + 4u)",
+        from: "for (var at = k * 64u; at",
+        to: "for (var at = k * 64u + 4u; at",
         methods: &["certainty", "certainty-batch"],
         scene: few,
     },
@@ -764,6 +764,18 @@ fn faults_of_hardware_kernels_are_seen() {
             "k < end; k += THREADS) {\n            let entry = entries[k];",
             "k + 1u < end; k += THREADS) {\n            let entry = entries[k];",
             ALL,
+        ),
+        (
+            "a row of the evidence is left out",
+            "let columns = groups_of(at) + groups_of(at + 4u)",
+            "let columns = groups_of(at + 4u)",
+            &["certainty", "certainty-batch"],
+        ),
+        (
+            "a stage's evidence is another's",
+            "parts[entry.slot] = part_of_tile((k - first) * STRIDE);",
+            "parts[entry.slot] = part_of_tile(((k - first) ^ 1u) * STRIDE);",
+            &["certainty"],
         ),
         ("a tile inside is left out", "row.interior = vec4<bool>(true);", "row.interior = vec4<bool>(false);", CONES),
         (

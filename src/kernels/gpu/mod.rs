@@ -47,6 +47,13 @@ pub struct Options {
     pub lists: Option<bool>,
 }
 
+impl Options {
+    /// Whether kernels stage readings on this adapter.
+    fn stages(&self, found: &Found) -> bool {
+        self.staged.unwrap_or(!found.software)
+    }
+}
+
 /// The GPU backend.
 pub struct Gpu {
     device: Device,
@@ -59,12 +66,16 @@ pub struct Gpu {
     pending: Option<wgpu::SubmissionIndex>,
     timer: Option<Timer>,
     patches: Vec<Patch>,
+    /// Bytes of a part of a sum.
+    part: usize,
     lister: Option<Lister>,
     lists: bool,
 }
 
-/// A tile's part of a reading's sum.
-pub(crate) const PART_BYTES: usize = size_of::<f32>();
+/// A tile's part of a reading's sum: one number where kernels stage readings, else one for each group of four cells.
+pub(crate) const fn part_bytes(staged: bool) -> usize {
+    if staged { size_of::<f32>() } else { 64 * size_of::<f32>() }
+}
 
 /// Bytes that the cells of a chunk take at most, of a method that takes readings.
 const LARGEST_CHUNK: u64 = 32 * (CHUNK * CHUNK * TILE_CELLS) as u64;
@@ -88,7 +99,7 @@ impl Gpu {
     }
 
     fn on(device: Device, options: &Options) -> Gpu {
-        let passes = Passes::new(&device, options);
+        let (passes, part) = (Passes::new(&device, options), part_bytes(options.stages(&device.found)));
         // Any method's chunk, and a usual batch's cones by block, must fit into one binding.
         let largest = LARGEST_CHUNK.max((BATCH * IN_BLOCKS) as u64);
         let able = device.found.binding >= largest && device.found.workgroups as usize >= CHUNK * CHUNK;
@@ -102,6 +113,7 @@ impl Gpu {
             pending: None,
             timer: None,
             patches: options.patches.clone(),
+            part,
             lister: None,
             lists,
         }
@@ -175,7 +187,7 @@ impl Backend for Gpu {
             // Sum takes a thread a reading, 64 in a group; blocks take whole segments.
             readings: (bindable / one / SEGMENT * SEGMENT).min(64 * self.found().workgroups as usize),
             entries: bindable / size_of::<Entry>(),
-            parts: bindable / PART_BYTES,
+            parts: bindable / self.part,
             turns: if self.found().software { SOFTWARE_TURNS } else { usize::MAX },
             lists: self.lists,
         }
@@ -223,6 +235,7 @@ impl Backend for Gpu {
             encoder: &mut encoder,
             timer: self.timer.as_mut(),
             lister: self.lister.as_ref(),
+            part: self.part,
         };
         let buffers = upload.batch((method, frame, steps), batch, shares_so_far);
         let mut record = |encoder: &mut _, kernel: Kernel, frame: Frame, chunk: &ChunkBuffers, groups| {

@@ -49,12 +49,13 @@ fn overrides(
     staged: bool,
 ) -> impl Iterator<Item = (&'static str, bool)> {
     let (unit, looks) = (method.unit(), kernel != Kernel::Sum);
+    let parts = (!looks).then_some(("STAGED", staged));
     let variant = method.variant().filter(|_| looks);
     let cones = (unit != Unit::Scan && looks).then_some([("BROAD_BEAMS", needs.broad), ("LASERS", needs.lasers)]);
     // A cone in 32 bits, not its axis alone.
     let apart = staged && !needs.wide && method.footprint() != Footprint::Axis;
     let lists = (unit == Unit::Reading && looks).then_some([("STAGED", staged), ("TOLD_APART", apart)]);
-    variant.into_iter().chain(cones.into_iter().flatten()).chain(lists.into_iter().flatten())
+    variant.into_iter().chain(parts).chain(cones.into_iter().flatten()).chain(lists.into_iter().flatten())
 }
 
 /// The pipelines, and the one layout of their bindings.
@@ -110,7 +111,7 @@ impl Passes {
         for (from, to) in &self.options.patches {
             source = source.replace(from, to);
         }
-        let staged = self.options.staged.unwrap_or(!device.found.software);
+        let staged = self.options.stages(&device.found);
         let constants: Vec<_> =
             overrides(method, kernel, needs, staged).map(|(name, on)| (name, f64::from(on))).collect();
         let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);

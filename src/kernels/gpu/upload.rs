@@ -3,8 +3,8 @@
 use super::device::Device;
 use super::lists::{Listed, Lister};
 use super::pool::{Piece, Pool};
+use super::slots;
 use super::timer::Timer;
-use super::{PART_BYTES, slots};
 use crate::batch::{Batch, ChunkList};
 use crate::kernels::Shares;
 use crate::layout::{CHUNK, Frame, Tile};
@@ -37,6 +37,8 @@ pub struct Upload<'a> {
     pub encoder: &'a mut wgpu::CommandEncoder,
     pub timer: Option<&'a mut Timer>,
     pub lister: Option<&'a Lister>,
+    /// Bytes of a part of a sum.
+    pub part: usize,
 }
 
 impl Upload<'_> {
@@ -53,7 +55,7 @@ impl Upload<'_> {
             Unit::Reading | Unit::Update => self.pool.filled(device, &batch.cones),
         };
         let parts = match steps.contains(&Step::Sum) {
-            true => batch.first_part.last().copied().unwrap_or(0) as usize * PART_BYTES,
+            true => batch.first_part.last().copied().unwrap_or(0) as usize * self.part,
             false => batch.cones.len() * size_of::<u32>(),
         };
         let mut chunks = Vec::new();

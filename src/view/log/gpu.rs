@@ -1,7 +1,7 @@
 //! A lane on the page's own GPU: the project's WGSL, the packed batches, and what came of them held against the CPU's cells.
 
 use super::lane::Lane;
-use crate::kernels::gpu::PART_BYTES;
+use crate::kernels::gpu::part_bytes;
 use crate::kernels::gpu::shader::{self, Kernel};
 use crate::kernels::{self, Chunks};
 use crate::layout::{CHUNK, Frame, TILE, TILE_CELLS};
@@ -116,7 +116,7 @@ pub fn batch(lane: &Lane, ask: &Ask) -> Result<Answer> {
         .collect();
     let sums = steps.contains(&Step::Sum);
     let parts = batch.first_part.last().copied().unwrap_or(0) as usize;
-    let parts = if sums { parts * PART_BYTES } else { batch.cones.len() * 4 };
+    let parts = if sums { parts * part_bytes(false) } else { batch.cones.len() * 4 };
     let mut head = json!({
         "from": range.start,
         "to": range.end,
