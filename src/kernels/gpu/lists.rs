@@ -16,9 +16,6 @@ const NEAR: &str = include_str!("../../../shaders/list/near.wgsl");
 const MEETS: &str = include_str!("../../../shaders/list/meets.wgsl");
 const TILES: &str = include_str!("../../../shaders/list/tiles.wgsl");
 
-/// Most segments of a chunk's cones: one axis of a dispatch.
-const SEGMENTS: usize = 65_535;
-
 /// A chunk's lists on the device.
 pub struct Listed {
     /// A tile for each slot, …
@@ -104,7 +101,7 @@ impl Lister {
             chunk: list.place.map(|p| p * CHUNK as u32),
             size: frame.size,
             near: list.near.len() as u32,
-            segments: list.near.len().div_ceil(SEGMENT).min(SEGMENTS) as u32,
+            segments: list.near.len().div_ceil(SEGMENT) as u32,
             how: flag(footprint == Footprint::Axis, AXIS) | flag(no_echo_arcs, ARCS),
             pad: 0,
         }
