@@ -98,6 +98,11 @@ pub struct Binning {
     pub only: Option<[u32; 2]>,
 }
 
+/// For [`Binning::of`], of cones that are snapped.
+pub(crate) fn snapped(cone: &Cone) -> Option<Cone> {
+    Some(*cone)
+}
+
 /// A cone in a tile: the tile's slot in its chunk, and the entry.
 pub(crate) type Pair = (u16, Entry);
 
@@ -115,14 +120,17 @@ impl Binning {
     /// out. `None`: they come to more than [`PAIRS`], and there are several.
     pub fn of<T: Sync>(&self, items: &[T], snap: impl Fn(&T) -> Option<Cone> + Sync, lists: bool) -> Option<Batch> {
         let fits = |pairs: usize| items.len() == 1 || pairs <= PAIRS;
-        if lists && let Some(batch) = self.near(items, &snap) {
-            return fits(batch.chunks.iter().map(ChunkList::pairs).sum()).then_some(batch);
+        if lists {
+            return match self.near(items, &snap) {
+                Ok(batch) => fits(batch.chunks.iter().map(ChunkList::pairs).sum()).then_some(batch),
+                Err(cones) => self.of(&cones, snapped, false),
+            };
         }
         // Each snapped reading, and how many tiles it reaches at most.
         let snap = |item| snap(item).map(|cone| (self.at_most(&cone), cone));
-        let snapped: Vec<_> = items.par_iter().with_min_len(256).map(snap).collect();
-        let pairs = snapped.iter().flatten().map(|s| s.0).sum();
-        fits(pairs).then(|| self.bin(snapped.into_iter().flatten().map(|s| s.1).collect()))
+        let cones: Vec<_> = items.par_iter().with_min_len(256).map(snap).collect();
+        let pairs = cones.iter().flatten().map(|s| s.0).sum();
+        fits(pairs).then(|| self.bin(cones.into_iter().flatten().map(|s| s.1).collect()))
     }
 
     /// Tiles along x and y.

@@ -82,7 +82,7 @@ pub fn measure(workload: &Workload, method: &dyn Method, backend: &mut dyn Backe
 }
 
 fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Backend, runs: usize) -> Result<Measured> {
-    let (mut seconds, mut binning, mut updates, mut moved) = (Vec::new(), Vec::new(), 0, 0);
+    let (mut seconds, mut binning, mut updates, mut done) = (Vec::new(), Vec::new(), 0, Work::default());
     let passes = method.sweeps().iter().copied().flatten().filter(|s| matches!(s, Step::Pass(..))).count() as u64;
     let per_sweep = passes.div_ceil(method.sweeps().len() as u64);
     let (mut passes, last) = (Vec::new(), runs.max(1) + 1);
@@ -118,14 +118,7 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
             }
         };
         updates = finished.map.updates;
-        // An entry names a cone; or a scan, of which each update takes a beam.
-        let (named, taken_up) = match method.unit() {
-            Unit::Reading => (size_of::<Cone>(), 0),
-            Unit::Update => (size_of::<Cone>() + size_of::<Shapes>(), 0),
-            Unit::Scan => (size_of::<Scan>(), updates * size_of::<Beam>() as u64),
-        };
-        let (listed, cells) = (size_of::<Entry>() + named, 8 * tile_words(method));
-        moved = per_sweep * (work.entries * listed as u64 + work.tiles * cells as u64) + taken_up;
+        done = work;
         if run == last {
             passes = backend.pass_times().into_iter().map(|(name, s)| (name.to_string(), s)).collect();
         } else if run > 0 {
@@ -133,10 +126,18 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
             binning.push(work.binning_us as f64 * 1e-6);
         }
     }
+    // A backend that lists tiles itself doesn't say what its lists hold.
     if backend.limits().lists && method.unit() == Unit::Reading {
-        let listed = listed(workload, method)?;
-        moved = per_sweep * (listed.entries * ENTRY_BYTES + listed.tiles * 8 * tile_words(method) as u64);
+        done = listed(workload, method)?;
     }
+    // An entry names a cone; or a scan, of which each update takes a beam.
+    let (named, taken_up) = match method.unit() {
+        Unit::Reading => (size_of::<Cone>(), 0),
+        Unit::Update => (size_of::<Cone>() + size_of::<Shapes>(), 0),
+        Unit::Scan => (size_of::<Scan>(), updates * size_of::<Beam>() as u64),
+    };
+    let (listed, cells) = (size_of::<Entry>() + named, 8 * tile_words(method));
+    let moved = per_sweep * (done.entries * listed as u64 + done.tiles * cells as u64) + taken_up;
     let (median, readings) = (median(&seconds), workload.readings.len() as u64);
     let cost = crate::method::entry(crate::method::name(method))?.cost;
     Ok(Measured {
@@ -158,9 +159,6 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
         median,
     })
 }
-
-/// What an entry and its cone come to.
-const ENTRY_BYTES: u64 = (size_of::<Entry>() + size_of::<Cone>()) as u64;
 
 /// What the lists of a workload's readings hold, whoever makes them.
 fn listed(workload: &Workload, method: &dyn Method) -> Result<Work> {

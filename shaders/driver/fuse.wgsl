@@ -40,18 +40,15 @@ fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             let share = share_at(k, first, cone);
             if TOLD_APART && (entry.cone & INSIDE) != 0u {
                 // each GROUP
-                var row_GROUP = look_inside(cone, cell_GROUP);
-                take_in(cone, row_GROUP, share, &counts_GROUP, &cells_GROUP);
+                take_in(cone, look_inside(cone, cell_GROUP), share, &counts_GROUP, &cells_GROUP);
                 // end
             } else if TOLD_APART && (entry.cone & ARC) == 0u {
                 // each GROUP
-                var row_GROUP = look_before(cone, cell_GROUP);
-                take_in(cone, row_GROUP, share, &counts_GROUP, &cells_GROUP);
+                take_in(cone, look_before(cone, cell_GROUP), share, &counts_GROUP, &cells_GROUP);
                 // end
             } else {
                 // each GROUP
-                var row_GROUP = look(cone, cell_GROUP);
-                take_in(cone, row_GROUP, share, &counts_GROUP, &cells_GROUP);
+                take_in(cone, look(cone, cell_GROUP), share, &counts_GROUP, &cells_GROUP);
                 // end
             }
         }

@@ -61,8 +61,7 @@ fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
                 // end
             } else {
                 // each GROUP
-                var row_GROUP = look(cone, cell_GROUP);
-                let part_GROUP = part_of_group(cone, row_GROUP, &cells_GROUP);
+                let part_GROUP = part_of_group(cone, look(cone, cell_GROUP), &cells_GROUP);
                 if STAGED {
                     held[base + GROUP * THREADS] = part_GROUP;
                 } else if (entry.cone & ARC) != 0u {

@@ -20,8 +20,9 @@ impl Binning {
     /// cone is left out. A part stands for each tile of a cone's box, chunk by chunk and in each tile row by tile row: those of tiles
     /// off the arc stay 0, which changes no sum.
     ///
-    /// `None`: a reading reaches farther than 1024 cells, but backends list tiles in 32 bits.
-    pub fn near<T: Sync>(&self, items: &[T], snap: impl Fn(&T) -> Option<Cone> + Sync) -> Option<Batch> {
+    /// # Errors
+    /// The cones, where one reaches farther than 1024 cells: backends list tiles in 32 bits.
+    pub fn near<T: Sync>(&self, items: &[T], snap: impl Fn(&T) -> Option<Cone> + Sync) -> Result<Batch, Vec<Cone>> {
         let run = items.len().div_ceil(4 * rayon::current_num_threads()).max(64);
         let runs: Vec<Run> = items.par_chunks(run).map(|items| self.near_run(items.iter().filter_map(&snap))).collect();
         let count = runs.iter().map(|r| r.cones.len()).sum();
@@ -42,7 +43,7 @@ impl Binning {
             parts = u32::saturating_add(parts, run.parts);
         }
         if flags & WIDE != 0 {
-            return None;
+            return Err(batch.cones);
         }
         batch.first_part.push(parts);
         let list = |([row, column], near): ([u32; 2], Vec<Near>)| {
@@ -50,7 +51,7 @@ impl Binning {
             ChunkList { place, near, ..ChunkList::default() }
         };
         batch.chunks = places.into_iter().map(list).collect();
-        Some(batch)
+        Ok(batch)
     }
 
     /// What some readings are near.

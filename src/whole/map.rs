@@ -97,8 +97,7 @@ pub struct Done {
 /// What the rounds before the last have found, kept in the map's partial folder.
 const FOUND: &str = "found.bin";
 
-/// Maps a log into an open map. Spilled readings and
-/// what a resumed run needs lie in `folder`.
+/// Maps a log into an open map. Spilled readings and what a resumed run needs lie in `folder`.
 ///
 /// # Errors
 /// The log's; [`Error::Resources`] where something can't be written; the backend's.

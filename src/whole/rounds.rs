@@ -2,7 +2,7 @@
 
 use super::scanned::Scanned;
 use super::{Bins, Place, part};
-use crate::batch::{Batch, Binning};
+use crate::batch::{Batch, Binning, snapped};
 use crate::kernels::{Backend, Chunks, Limits, Shares, shares};
 use crate::layers;
 use crate::layout::Cone;
@@ -380,7 +380,7 @@ impl<'a> Run<'a> {
         give: &mut dyn FnMut(Ready) -> bool,
     ) -> Result<bool> {
         let numbers: Vec<u32> = cones.iter().map(|c| c.index).collect();
-        let batch = binning.of(&cones, |cone| Some(*cone), limits.lists);
+        let batch = binning.of(&cones, snapped, limits.lists);
         let fits = match &batch {
             Some(batch) => !too_large(self.method, batch, steps.contains(&Step::Sum), limits, cones.len() == 1)?,
             None => false,
