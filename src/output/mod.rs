@@ -2,9 +2,11 @@
 //! writes into the folder it is given, and [`Folder`] alone decides when that folder becomes the user's.
 
 mod check;
+mod contents;
 mod features;
 mod figure;
 mod folder;
+pub(crate) mod names;
 mod npy;
 pub(crate) mod png;
 mod raster;
@@ -17,7 +19,7 @@ mod zarr;
 
 pub use check::{Checked, check};
 pub use features::write_features;
-pub use folder::Folder;
+pub use folder::{Folder, Unfinished};
 pub(crate) use folder::seems_map;
 pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
