@@ -1,7 +1,7 @@
 //! `echogrid map`.
 
 use super::common::{
-    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, warn_of_bad_lines, warn_of_empty_map,
+    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, tell_notes, warn_of_bad_lines, warn_of_empty_map,
     warn_of_jump,
 };
 use super::{note, say};
@@ -64,6 +64,7 @@ impl Map {
         let session = Session::open(&self.log.log, &request)?;
         let surveyed = started.elapsed().as_secs_f64();
         warn_of_bad_lines(&session);
+        tell_notes(&session);
         self.check_working(&session)?;
         let whole = session.method.rounds().is_some() && self.backend.choice().is_some();
         if !whole || self.working.is_some() {
@@ -245,7 +246,11 @@ pub fn save(
 fn run_info(session: &Session, ran: &Ran, counts: Counts, seconds: Vec<(String, f64)>) -> Result<RunInfo> {
     Ok(RunInfo {
         parameters: output::parameters(session.parameters()),
-        log: LogInfo { path: session.log.path().display().to_string(), sha256: session.log.sha256()? },
+        log: LogInfo {
+            path: session.log.path().display().to_string(),
+            sha256: session.log.sha256()?,
+            notes: session.notes(),
+        },
         sensors: session.sensors().to_vec(),
         readings: counts,
         seconds,
