@@ -10,7 +10,7 @@ use crate::layers;
 use crate::log::{self, Log, Problem};
 use crate::mapper::{self, Finished, Item, Mapper, Work};
 use crate::memory;
-use crate::method::settings::{Csm, Settings};
+use crate::method::settings::{Bayes, Csm, Likelihood, Settings};
 use crate::method::{self, Method};
 use crate::oracle::{self, OracleMap};
 use crate::reading::{Counts, Reading, Record, judge};
@@ -106,7 +106,7 @@ impl Session {
         // Given bounds are checked before the log is read through.
         let given = request.bounds.map(|b| GridSpec::from_bounds(b, request.resolution)).transpose()?;
         let until = request.until.unwrap_or(u64::MAX);
-        let survey = survey(&log, &sensors, request.resolution, until)?;
+        let survey = survey(&log, &sensors, request.resolution, until, options.overrides.r_max.is_some())?;
         if let (true, Some(first)) = (request.strict, survey.bad_lines.first.first()) {
             let more = match survey.bad_lines.count - 1 {
                 0 => String::new(),
@@ -122,6 +122,9 @@ impl Session {
             None => GridSpec::around(survey.covered, request.resolution).map_err(|e| survey.explain(e, path))?,
         };
         let (mut settings, mut classes) = (request.settings, None);
+        if let Settings::Bayes(bayes) = &mut settings {
+            bayes.model = Some(likelihood(bayes, &sensors));
+        }
         if let Settings::Csm(csm) = &mut settings {
             classes = prepare(csm, request, &log, &survey)?;
             let far = [grid.x0(), grid.y0()].into_iter().find(|v| v.abs() > FARTHEST);
@@ -262,7 +265,7 @@ impl Session {
             let counts = Counts { outside, empty_arc, wide, ..self.survey.counts };
             return Ok(Mapped { finished, counts, work, found: Some(found) });
         }
-        let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch);
+        let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch)?;
         for sweep in 0..self.method.sweeps().len() {
             mapper.sweep(sweep, self.items()?.take(count).inspect(|_| progress(1)))?;
         }
@@ -316,6 +319,13 @@ fn lasers_only(path: &std::path::Path, request: &Request, error: Error) -> Error
         ),
         false => error,
     }
+}
+
+/// The likelihoods that fit the sensors, unless the user chose: a sonar's profile thins out towards its range and its edge, which would
+/// cost a laser a part of its walls.
+fn likelihood(bayes: &Bayes, sensors: &[Sensor]) -> Likelihood {
+    let lasers = sensors.iter().all(|s| s.kind == Kind::Laser);
+    bayes.model.unwrap_or(if lasers { Likelihood::Constant } else { Likelihood::Murphy })
 }
 
 /// Gives a counting sensor model what it needs of the log: its class labels, the size of its cells.
@@ -394,6 +404,9 @@ fn nothing_to_map(survey: &Survey) -> String {
             reasons.join(", ")
         ),
     };
+    for note in &survey.notes {
+        text += &format!("; {note}");
+    }
     if let Some(first) = bad.first.first() {
         text += &format!("; {} bad lines, the first: {first}", bad.count);
     }

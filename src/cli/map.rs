@@ -1,8 +1,7 @@
 //! `echogrid map`.
 
 use super::common::{
-    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, tell_notes, warn_of_bad_lines, warn_of_empty_map,
-    warn_of_jump,
+    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, warn_of_empty_map, warn_of_jump, warn_of_log,
 };
 use super::{note, say};
 use crate::feature::{self, Times};
@@ -55,8 +54,7 @@ impl Map {
         let started = Instant::now();
         let session = Session::open(&self.log.log, &request)?;
         let surveyed = started.elapsed().as_secs_f64();
-        warn_of_bad_lines(&session);
-        tell_notes(&session);
+        warn_of_log(&self.log, &session);
         self.check_working(&session)?;
         let whole = session.method.rounds().is_some() && self.backend.choice().is_some();
         if !whole || self.working.is_some() {
