@@ -139,6 +139,11 @@ impl Session {
         Ok(Session { log, sensors, method, grid, survey, classes, until, bounded: given.is_some() })
     }
 
+    /// Whether the grid's bounds were given.
+    pub fn bounded(&self) -> bool {
+        self.bounded
+    }
+
     /// The log's sensors, with the method's limits.
     pub fn sensors(&self) -> &[Sensor] {
         &self.sensors

@@ -177,7 +177,9 @@ fn unknown_key(method: &str, settings: &Settings, key: &str) -> String {
 fn idle(settings: &Settings, set: &[String]) -> Vec<(&'static str, &'static str)> {
     const SCANS: &str = "a counting sensor model: it takes the nearest beam";
     let keys: &[(&'static str, &'static str)] = match settings {
-        Settings::Bayes(b) if b.likelihood() == Likelihood::Murphy => &[("p_hit", "model=murphy"), ("p_miss", "model=murphy")],
+        Settings::Bayes(b) if b.likelihood() == Likelihood::Murphy => {
+            &[("p_hit", "model=murphy"), ("p_miss", "model=murphy")]
+        }
         Settings::Bayes(_) => &[
             ("max_occ", "model=constant"),
             ("region_one_floor", "model=constant"),
@@ -286,25 +288,6 @@ pub fn spinner(what: &'static str, quiet: bool) -> ProgressBar {
     bar.set_message(what);
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
-}
-
-/// One line on what became of the log's readings.
-pub fn readings(c: &Counts, session: &Session) -> String {
-    let r = c.rejected;
-    let rejected = r.below_r_min + r.not_a_number + r.negative + r.beyond_hit_range;
-    let mut text = format!("{} of {} readings of {} scans", c.used, c.read, session.survey.scans);
-    for (count, what) in [
-        (c.no_echo, "without echo"),
-        (rejected, "rejected"),
-        (c.outside, "outside the grid"),
-        (c.empty_arc, "with an empty arc"),
-        (c.wide, "wider than 1024 cells"),
-    ] {
-        if count > 0 {
-            text += &format!(", {count} {what}");
-        }
-    }
-    text
 }
 
 /// Says once what a user should know of a log: bad lines, with the first few, how it was read, and which parameters change nothing.

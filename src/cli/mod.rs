@@ -12,6 +12,7 @@ mod map;
 mod plan;
 mod score;
 mod simulate;
+mod summary;
 mod truth;
 mod verify;
 mod view;

@@ -170,7 +170,12 @@ const DEMPSTER_SHAFER: &[Key] = &[
     key("max_occ", "0..1", "0.98", "Murphy's Max_occ (model murphy)"),
 ];
 const BAYES: &[Key] = &[
-    key("model", "murphy|constant", "murphy, for lasers constant", "a reading's likelihoods: Murphy's profile, or two constants for lasers"),
+    key(
+        "model",
+        "murphy|constant",
+        "murphy, for lasers constant",
+        "a reading's likelihoods: Murphy's profile, or two constants for lasers",
+    ),
     key("max_occ", "0..1", "0.98", "largest P(s|occupied) on the arc"),
     key("region_one_floor", "0..0.98", "0.5", "smallest P(s|occupied) on the arc; 0: the book's literal formula"),
     key("region_two_floor", "0..0.98", "0.5", "smallest P(s|empty) in the interior; 0: the book's literal formula"),
