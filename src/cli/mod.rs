@@ -13,6 +13,7 @@ mod out;
 mod plan;
 mod score;
 mod simulate;
+mod summary;
 mod truth;
 mod verify;
 mod view;

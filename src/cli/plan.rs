@@ -1,6 +1,6 @@
 //! `echogrid plan`.
 
-use super::common::{LogArguments, bar, count, done, warn_of_bad_lines, warn_of_jump};
+use super::common::{LogArguments, bar, count, done, warn_of_jump, warn_of_log};
 use super::say;
 use crate::kernels::{Choice, choose};
 use crate::memory::{self, show};
@@ -48,7 +48,7 @@ impl Plan {
         let started = Instant::now();
         let session = self.log.session()?;
         let surveyed = started.elapsed().as_secs_f64();
-        warn_of_bad_lines(&session);
+        warn_of_log(&self.log, &session);
         warn_of_jump(&self.log, &session);
         let Some(rounds) = session.method.rounds() else { return self.resident(&session) };
         let started = Instant::now();

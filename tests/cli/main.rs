@@ -15,5 +15,6 @@ mod outputs;
 mod printing;
 mod repeat;
 mod resume;
+mod sensors;
 mod tools;
 mod worlds;
