@@ -314,7 +314,9 @@ impl Verification {
         match (self.differs(), self.skipped.is_empty()) {
             (true, _) => "NOT EQUAL".into(),
             (false, true) => "equal".into(),
-            (false, false) => format!("NOT VERIFIED: only oracle and {} were compared, and are equal", ran.join(" and ")),
+            (false, false) => {
+                format!("NOT VERIFIED: only oracle and {} were compared, and are equal", ran.join(" and "))
+            }
         }
     }
 }

@@ -97,9 +97,11 @@ fn truncated_gzip_is_fatal_after_the_whole_lines() {
 fn what_follows_gzip_is_passed_over_and_said() {
     let (one, two) = (gz(&format!("{HEADER}{GOOD}")), gz(&GOOD.repeat(3000)));
     let zeros = |n: usize| vec![0; n];
-    let other = |n: usize| format!(
-        "what follows its gzip data ({n} B) is no gzip and is passed over: if it belongs to the log, fetch it again"
-    );
+    let other = |n: usize| {
+        format!(
+            "what follows its gzip data ({n} B) is no gzip and is passed over: if it belongs to the log, fetch it again"
+        )
+    };
     let many = 600 << 10;
     for (packed, good, note) in [
         ([&one[..], &two].concat(), 3001, None),
@@ -113,7 +115,12 @@ fn what_follows_gzip_is_passed_over_and_said() {
     ] {
         let log = Log::read(&packed[..], &Options::default()).unwrap();
         for _ in 0..2 {
-            assert_eq!((pass(&log), log.notes()), ((good, Vec::new()), note.iter().cloned().collect()), "{}", packed.len());
+            assert_eq!(
+                (pass(&log), log.notes()),
+                ((good, Vec::new()), note.iter().cloned().collect()),
+                "{}",
+                packed.len()
+            );
         }
     }
     // What begins as gzip and isn't, or ends too early, stays an error.
@@ -152,7 +159,10 @@ fn a_log_that_grows_is_read_as_it_was() {
         let (good, bad, notes, sum) = whole(&log);
         assert_eq!((good, bad.len()), (kept, 0), "{bad:?}");
         assert_eq!(sum, sha256(start.as_bytes()));
-        assert!(notes[0].starts_with("another program is writing it: it is read as it was when it was opened"), "{notes:?}");
+        assert!(
+            notes[0].starts_with("another program is writing it: it is read as it was when it was opened"),
+            "{notes:?}"
+        );
         assert_eq!(notes.iter().any(|n| n.contains("half written")), !half.is_empty(), "{notes:?}");
         append(&GOOD.repeat(5000));
         assert_eq!(whole(&log), (good, bad, notes, sum));
@@ -170,7 +180,9 @@ fn a_log_that_is_changed_is_an_error() {
     let name = path.display();
     std::fs::write(&path, start.replace("\"z\":1}", "\"z\":2}")).unwrap();
     let (_, bad) = pass(&log);
-    let what = format!("{name}: was changed while it was read, after byte 0: map it again when nothing writes it, or map a copy");
+    let what = format!(
+        "{name}: was changed while it was read, after byte 0: map it again when nothing writes it, or map a copy"
+    );
     assert_eq!(bad, [what.as_str()]);
     assert_eq!(log.sha256().unwrap_err().to_string(), what);
     std::fs::write(&path, &start[..start.len() / 2]).unwrap();
@@ -188,7 +200,8 @@ fn a_folder_whose_files_grow_is_read_as_it_was() {
     std::fs::write(&sonar, rows(0..500, ranges) + "500 1000 10").unwrap();
     std::fs::write(&poses, rows(0..490, pose)).unwrap();
     let log = Log::open(folder.path(), &Options::default()).unwrap();
-    let append = |path: &Path, text: &str| File::options().append(true).open(path).unwrap().write_all(text.as_bytes()).unwrap();
+    let append =
+        |path: &Path, text: &str| File::options().append(true).open(path).unwrap().write_all(text.as_bytes()).unwrap();
     append(&sonar, "00 1000 1000 1000 1000 1000 1000\n");
     append(&poses, &rows(490..600, pose));
     for _ in 0..2 {

@@ -102,7 +102,10 @@ impl Target {
         }
         if !replaceable(path).map_err(|e| unwritable(path, e))? {
             let what = "it is no log of echogrid's, so it is left as it is";
-            return Err(Error::Resources(format!("{} can't be the log: {what}; give another file with -o", path.display())));
+            return Err(Error::Resources(format!(
+                "{} can't be the log: {what}; give another file with -o",
+                path.display()
+            )));
         }
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = path.file_name().unwrap_or_default();

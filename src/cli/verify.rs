@@ -148,7 +148,9 @@ impl Verify {
                 (Ok(chosen), _) => opened.backends.push(chosen),
                 // What no adapter could do is no missing adapter.
                 (Err(Error::NoAdapter(_)), Some(why)) => {
-                    opened.absent.push(format!("gpu: there is none for this method: {why}; oracle and cpu are all there is"));
+                    opened
+                        .absent
+                        .push(format!("gpu: there is none for this method: {why}; oracle and cpu are all there is"));
                 }
                 (Err(Error::NoAdapter(why)), None) if !gpu_required() => opened.skipped.push(format!("gpu: {why}")),
                 (Err(e), _) => return Err(e),

@@ -33,9 +33,11 @@ pub(super) struct Bytes {
 }
 
 /// What a user should know of a file that others change.
-const GROWN: &str = "another program is writing it: it is read as it was when it was opened, and its checksum is that of this part";
+const GROWN: &str =
+    "another program is writing it: it is read as it was when it was opened, and its checksum is that of this part";
 const CUT: &str = "its last line was half written when it was opened, and is left out";
-const MAYBE_CUT: &str = "its last line may have been half written when it was opened: map it again once nothing writes it";
+const MAYBE_CUT: &str =
+    "its last line may have been half written when it was opened: map it again once nothing writes it";
 const REPLACED: &str = "it was replaced or removed while it was read: it is read as it was when it was opened";
 
 /// The file was changed after it was opened.
@@ -59,15 +61,8 @@ impl Bytes {
         let is_text = !end.contains(&0);
         let line = end.iter().rposition(|byte| *byte == b'\n').filter(|_| is_text);
         let lines = line.map_or(length, |at| from + at as u64 + 1);
-        let mut bytes = Bytes {
-            file,
-            path,
-            length,
-            lines,
-            tail: OnceLock::new(),
-            sums: Mutex::default(),
-            notes: Mutex::default(),
-        };
+        let mut bytes =
+            Bytes { file, path, length, lines, tail: OnceLock::new(), sums: Mutex::default(), notes: Mutex::default() };
         if bytes.packed()? {
             bytes.lines = length;
         }

@@ -2,7 +2,8 @@
 //! then noted, so that a run that was killed goes on after the last one that was noted.
 
 use super::names::{
-    self, CANVAS, FEATURES, FEATURES_PICTURE, LAYER_ARRAY, LAYER_PICTURE, OVERVIEW_CANVAS, PICTURE, PROGRESS, REPORT, RUN, STORE,
+    self, CANVAS, FEATURES, FEATURES_PICTURE, LAYER_ARRAY, LAYER_PICTURE, OVERVIEW_CANVAS, PICTURE, PROGRESS, REPORT,
+    RUN, STORE,
 };
 use super::raster::{Block, Raster};
 use super::report::{self, Tally};
@@ -89,13 +90,7 @@ impl MapWriter {
         let array = |h: &Layer| npy::open(&place.join(LAYER_ARRAY.of(&h.name)), &outline.grid, &h.data, resume);
         let arrays = if outline.npy { &outline.heads[..] } else { &[] };
         let mut writer = MapWriter {
-            store: zarr::Store::open(
-                &place.join(STORE),
-                &outline.grid,
-                &outline.heads,
-                &outline.combined,
-                levels,
-            )?,
+            store: zarr::Store::open(&place.join(STORE), &outline.grid, &outline.heads, &outline.combined, levels)?,
             pgm: ros::open(place, &outline.grid, resume)?,
             arrays: arrays.iter().map(array).collect::<Result<_>>()?,
             levels: (0..levels).map(level).collect::<Result<_>>()?,

@@ -100,9 +100,15 @@ fn what_no_adapter_could_do_is_no_missing_adapter() {
     let none = format!("{none}; oracle and cpu are all there is");
     assert!(ran.out.ends_with(&format!("\n{none}\nequal\n")), "{}", ran.out);
     let json = place.does(&[&["verify", "log.jsonl", "--json"], &gro[..]].concat()).json();
-    assert_eq!((&json["passed"], &json["absent"][0], &json["skipped"]), (&true.into(), &none.into(), &serde_json::json!([])));
+    assert_eq!(
+        (&json["passed"], &json["absent"][0], &json["skipped"]),
+        (&true.into(), &none.into(), &serde_json::json!([]))
+    );
     let alone = place.run(&[&["verify", "log.jsonl", "--backends", "gpu"], &gro[..]].concat());
-    assert!(alone.code == 4 && alone.err.contains("nothing to verify: gpu: there is none for this method"), "{alone:?}");
+    assert!(
+        alone.code == 4 && alone.err.contains("nothing to verify: gpu: there is none for this method"),
+        "{alone:?}"
+    );
     place.refuses(
         &[&["map", "log.jsonl", "-o", "out", "--backend", "gpu"], &gro[..]].concat(),
         4,

@@ -69,10 +69,17 @@ fn what_can_not_be_written_is_an_error() {
         let ran = run(&place, command, full.into());
         let last = ran.err.lines().last().unwrap_or_default();
         assert_eq!(ran.code, 5, "{command:?}: {ran:?}");
-        assert!(last.starts_with("echogrid: ") && last.contains("can't be written: No space left on device"), "{command:?}: {ran:?}");
+        assert!(
+            last.starts_with("echogrid: ") && last.contains("can't be written: No space left on device"),
+            "{command:?}: {ran:?}"
+        );
     }
     // What was asked for besides is done.
-    assert!(place.path("out/map.png").exists() && place.path("new.jsonl").exists() && place.path("pages/echogrid.1").exists());
+    assert!(
+        place.path("out/map.png").exists()
+            && place.path("new.jsonl").exists()
+            && place.path("pages/echogrid.1").exists()
+    );
     // Where nothing is to be printed, nothing is missing; and a command's own error comes first.
     let full = || File::options().write(true).open("/dev/full").unwrap().into();
     assert_eq!(run(&place, &["map", "log.jsonl", "-o", "out", "--backend", "cpu", "--quiet"], full()).code, 0);

@@ -23,7 +23,15 @@ fn verify_passes_for_every_method() {
         assert_eq!(
             keys(&found),
             [
-                "absent", "backends", "method", "oracle_seconds", "passed", "readings", "same_bytes", "size", "skipped",
+                "absent",
+                "backends",
+                "method",
+                "oracle_seconds",
+                "passed",
+                "readings",
+                "same_bytes",
+                "size",
+                "skipped",
                 "updates"
             ]
         );

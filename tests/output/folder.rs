@@ -144,7 +144,10 @@ fn files_that_appear_during_the_run_are_not_overwritten() {
     assert_eq!(error.exit_code(), 5);
     assert_eq!(names(&path), ["notes.txt"]);
     // What was computed isn't lost, and no later run removes it.
-    assert!(error.to_string().contains("the new map is whole and lies in ") && error.to_string().contains("m.new-1"), "{error}");
+    assert!(
+        error.to_string().contains("the new map is whole and lies in ") && error.to_string().contains("m.new-1"),
+        "{error}"
+    );
     assert_eq!(names(dir.path()), ["m", "m.new-1"]);
     assert_eq!(read_map(&dir.path().join("m.new-1")).unwrap().map.grid.width, 11);
     refused(&path, "no echogrid map");
@@ -198,7 +201,10 @@ fn what_is_the_user_s_beside_the_folder_stays() {
     write_map(&folder, &map(12, 9), &map(12, 9).layers[0], &info(), true).unwrap();
     fs::write(folder.path().join("map.zarr/notes.txt"), "mine").unwrap();
     drop(folder);
-    assert_eq!((names(&partial), names(&partial.join("map.zarr"))), (vec!["map.zarr".into()], vec!["notes.txt".into()]));
+    assert_eq!(
+        (names(&partial), names(&partial.join("map.zarr"))),
+        (vec!["map.zarr".into()], vec!["notes.txt".into()])
+    );
     refused(&path, "in the way");
 }
 

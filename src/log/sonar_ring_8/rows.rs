@@ -30,7 +30,16 @@ impl Rows {
     /// The rows of `input`: a time stamp and so many columns.
     pub fn new(input: &Input, columns: usize) -> Result<Rows> {
         let name = input.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Rows { input: input.clone(), lines: input.lines()?, name, columns, now: None, next: None, begun: false, fatal: None })
+        Ok(Rows {
+            input: input.clone(),
+            lines: input.lines()?,
+            name,
+            columns,
+            now: None,
+            next: None,
+            begun: false,
+            fatal: None,
+        })
     }
 
     /// Takes the row that is in sight.
