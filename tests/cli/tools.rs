@@ -92,7 +92,7 @@ fn verify_as_a_table() {
     let ran = place.does(&["verify", "log.jsonl", "--backends", "cpu"]);
     let lines: Vec<&str> = ran.out.lines().collect();
     assert!(
-        lines[0].starts_with("bayes: 4 readings, 82 × 82 cells, ") && lines[0].ends_with(" cell updates"),
+        lines[0].starts_with("bayes: 4 readings, 50 × 38 cells, ") && lines[0].ends_with(" cell updates"),
         "{}",
         lines[0]
     );
@@ -138,7 +138,7 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     for line in [
         "log       echogrid-jsonl, 1 sensor",
         "readings  4 used of 8 in 4 scans, 0 bad lines, 0 other lines",
-        "grid      82 × 82 cells of 0.05 m from (-1.55, -2.05) to (2.55, 2.05) m",
+        "grid      50 × 38 cells of 0.05 m from (0.00, -0.45) to (2.50, 1.45) m",
         "  r_max = 4",
         "  max_occ = 0.98",
     ] {
@@ -149,7 +149,7 @@ fn plan_says_what_it_would_take_and_does_nothing() {
         (&plan["method"], &plan["format"], &plan["scans"]),
         (&json!("bayes"), &json!("echogrid-jsonl"), &json!(4))
     );
-    assert_eq!((&plan["cells"]["width"], &plan["readings"]["used"]), (&json!(82), &json!(4)));
+    assert_eq!((&plan["cells"]["width"], &plan["readings"]["used"]), (&json!(50), &json!(4)));
     assert_eq!((&plan["parameters"]["r_max"], &plan["parameters"]["max_occ"]), (&json!("4"), &json!("0.98")));
     assert_eq!((&plan["chunks"][0]["row"], &plan["chunks"][0]["column"]), (&json!(0), &json!(0)));
     assert!(plan["card"].as_u64().unwrap() > 4 * 20 * (1 << 20), "four chunks of 20 bytes a cell: {plan}");
