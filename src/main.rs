@@ -1,6 +1,6 @@
 //! The `echogrid` command: parse, run, print an error once, exit with its code.
 
-use clap::Parser;
+use echogrid::cli::Arguments;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -8,8 +8,7 @@ use std::process::ExitCode;
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    let arguments = echogrid::cli::Arguments::parse();
-    match arguments.run() {
+    match Arguments::of_program().and_then(|asked| asked.map_or(Ok(0), Arguments::run)) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             // A reader that went away is no second error.

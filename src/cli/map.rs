@@ -9,7 +9,7 @@ use crate::feature;
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
 use crate::method::Unit;
-use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo};
+use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo, Unfinished};
 use crate::reading::Counts;
 use crate::session::{Mapped, Session};
 use crate::{Error, Result, layers, memory, method, whole};
@@ -33,6 +33,9 @@ pub struct Map {
     /// Go on with the unfinished map that a killed run left beside the folder
     #[arg(long)]
     resume: bool,
+    /// Discard the unfinished map that a killed run left beside the folder, and begin anew
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
     /// Also write a picture and JSON of used reading N alone
     #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
     working: Option<u64>,
@@ -51,7 +54,12 @@ impl Map {
     /// Maps the log.
     pub fn run(self) -> Result<u8> {
         let request = self.log.request()?;
-        let folder = Folder::open(&self.output, self.resume)?;
+        let unfinished = match (self.resume, self.overwrite) {
+            (true, _) => Unfinished::Resume,
+            (false, true) => Unfinished::Discard,
+            (false, false) => Unfinished::Refuse,
+        };
+        let folder = Folder::open(&self.output, unfinished)?;
         let started = Instant::now();
         let session = Session::open(&self.log.log, &request)?;
         let surveyed = started.elapsed().as_secs_f64();
@@ -194,7 +202,7 @@ scans (a sonar that turns, with a reading every 2.5° or less), or sonars that p
 fn kept(folder: Folder, error: Error) -> Error {
     let place = folder.path().display().to_string();
     folder.keep();
-    error.and(&format!("the finished part stays in {place}: --resume goes on from there"))
+    error.and(&format!("the finished part stays in {place}: --resume goes on from there, --overwrite begins anew"))
 }
 
 /// What a map was made on.

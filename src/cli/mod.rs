@@ -9,6 +9,7 @@ mod demo;
 mod doctor;
 mod generate;
 mod map;
+mod out;
 mod plan;
 mod score;
 mod simulate;
@@ -20,12 +21,9 @@ mod view;
 use crate::Result;
 use clap::{Parser, Subcommand};
 
-/// Prints a line; a reader that went away is no error.
+/// Prints a line on standard output.
 macro_rules! say {
-    ($($text:tt)*) => {{
-        use std::io::Write;
-        let _ = writeln!(std::io::stdout(), $($text)*);
-    }};
+    ($($text:tt)*) => { $crate::cli::out::line(format_args!($($text)*)) };
 }
 use say;
 
@@ -84,9 +82,34 @@ enum Command {
 }
 
 impl Arguments {
+    /// The program's own arguments; `None`: help or the version was asked for, and printed.
+    ///
+    /// # Errors
+    /// [`Error::Resources`](crate::Error::Resources) if that can't be printed. Wrong arguments end the program with exit code 2.
+    pub fn of_program() -> Result<Option<Arguments>> {
+        match Arguments::try_parse() {
+            Ok(arguments) => Ok(Some(arguments)),
+            Err(wrong) if wrong.use_stderr() => wrong.exit(),
+            Err(asked) => {
+                out::keep(asked.print());
+                out::finish().map(|()| None)
+            }
+        }
+    }
+
     /// Runs the command; the exit code where it did what it could.
+    ///
+    /// # Errors
+    /// The command's; [`Error::Resources`](crate::Error::Resources) if what it printed can't be written.
     pub fn run(self) -> Result<u8> {
-        match self.command {
+        let code = self.command.run()?;
+        out::finish().map(|()| code)
+    }
+}
+
+impl Command {
+    fn run(self) -> Result<u8> {
+        match self {
             Command::Map(c) => c.run(),
             Command::Verify(c) => c.run(),
             Command::Compare(c) => c.run(),

@@ -2,9 +2,11 @@
 //! writes into the folder it is given, and [`Folder`] alone decides when that folder becomes the user's.
 
 mod check;
+mod contents;
 mod features;
 mod figure;
 mod folder;
+pub(crate) mod names;
 mod npy;
 pub(crate) mod png;
 mod raster;
@@ -17,8 +19,8 @@ mod zarr;
 
 pub use check::{Checked, check};
 pub use features::write_features;
-pub use folder::Folder;
 pub(crate) use folder::seems_map;
+pub use folder::{Folder, Unfinished};
 pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
 pub use ros::read_ros;

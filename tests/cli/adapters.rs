@@ -33,23 +33,34 @@ fn auto_takes_the_cpu_and_says_why() {
 }
 
 #[test]
-fn verify_skips_loudly_or_fails() {
+fn verify_without_the_gpu_is_no_equality() {
     let place = Place::new();
+    let without = format!("gpu: {NONE}; `--backends oracle,cpu` compares without it\n");
+    let missing = format!("echogrid: not verified: {without}");
     let ran = place.run_without_adapter(&["verify", "log.jsonl"], false);
-    assert_eq!(ran.code, 0);
+    assert_eq!((ran.code, ran.err.as_str()), (4, missing.as_str()));
     assert!(ran.out.contains("\ncpu "), "{}", ran.out);
-    assert!(ran.out.ends_with(&format!("\nSKIPPED gpu: {NONE}\nequal\n")), "{}", ran.out);
+    let end = format!("\nSKIPPED gpu: {NONE}\nNOT VERIFIED: only oracle and cpu were compared, and are equal\n");
+    assert!(ran.out.ends_with(&end), "{}", ran.out);
     let ran = place.run_without_adapter(&["verify", "log.jsonl", "--json"], false);
-    assert_eq!((ran.code, ran.err.as_str()), (0, format!("echogrid: SKIPPED gpu: {NONE}\n").as_str()));
+    assert_eq!((ran.code, ran.err.as_str()), (4, missing.as_str()));
     assert_eq!(ran.json()["skipped"][0], format!("gpu: {NONE}"));
-    assert_eq!(ran.json()["backends"].as_array().unwrap().len(), 1);
+    assert_eq!((&ran.json()["passed"], ran.json()["backends"].as_array().unwrap().len()), (&false.into(), 1));
+    for backends in ["cpu,gpu", "gpu,oracle,cpu"] {
+        let ran = place.run_without_adapter(&["verify", "log.jsonl", "--quiet", "--backends", backends], false);
+        assert_eq!((ran.code, ran.err.as_str(), ran.out.as_str()), (4, missing.as_str(), ""), "{backends}");
+    }
     let ran = place.run_without_adapter(&["verify", "log.jsonl", "--backends", "gpu"], false);
-    assert_eq!(
-        (ran.code, ran.err.as_str()),
-        (4, format!("echogrid: there is nothing to verify: gpu: {NONE}; or give --backends cpu\n").as_str())
-    );
+    let nothing = format!("echogrid: there is nothing to verify: {without}");
+    assert_eq!((ran.code, ran.err.as_str(), ran.out.as_str()), (4, nothing.as_str(), ""));
+    // Where it is demanded, the run isn't begun.
     refused(&place, &place.run_without_adapter(&["verify", "log.jsonl"], true));
-    assert_eq!(place.run_without_adapter(&["verify", "log.jsonl", "--backends", "cpu"], true).code, 0);
+    // Who asks for these two gets what was asked for.
+    for backends in ["cpu", "oracle,cpu"] {
+        let ran = place.run_without_adapter(&["verify", "log.jsonl", "--backends", backends], true);
+        assert_eq!((ran.code, ran.err.as_str()), (0, ""), "{backends}");
+        assert!(ran.out.ends_with("\nequal\n"), "{}", ran.out);
+    }
 }
 
 #[test]
@@ -84,8 +95,20 @@ fn what_no_adapter_could_do_is_no_missing_adapter() {
     let why =
         "himm's growth-rate operator reads neighbouring cells in log order, which no gather can: use --backend cpu";
     let ran = place.run_without_adapter(&[&["verify", "log.jsonl"], &gro[..]].concat(), true);
-    assert_eq!(ran.code, 0);
-    assert!(ran.out.ends_with(&format!("\nSKIPPED gpu: {why}\nequal\n")), "{}", ran.out);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    let none = format!("gpu: there is none for this method: {}", why.replace(": use --backend cpu", ""));
+    let none = format!("{none}; oracle and cpu are all there is");
+    assert!(ran.out.ends_with(&format!("\n{none}\nequal\n")), "{}", ran.out);
+    let json = place.does(&[&["verify", "log.jsonl", "--json"], &gro[..]].concat()).json();
+    assert_eq!(
+        (&json["passed"], &json["absent"][0], &json["skipped"]),
+        (&true.into(), &none.into(), &serde_json::json!([]))
+    );
+    let alone = place.run(&[&["verify", "log.jsonl", "--backends", "gpu"], &gro[..]].concat());
+    assert!(
+        alone.code == 4 && alone.err.contains("nothing to verify: gpu: there is none for this method"),
+        "{alone:?}"
+    );
     place.refuses(
         &[&["map", "log.jsonl", "-o", "out", "--backend", "gpu"], &gro[..]].concat(),
         4,

@@ -12,7 +12,20 @@ const LOG: [&str; 9] =
 fn options() -> Vec<(&'static str, Vec<&'static str>)> {
     let log = |more: &[&'static str]| [&LOG[..], &["--threads"], more].concat();
     vec![
-        ("map", log(&["--output", "--backend", "--memory", "--resume", "--working", "--npy", "--json", "--quiet"])),
+        (
+            "map",
+            log(&[
+                "--output",
+                "--backend",
+                "--memory",
+                "--resume",
+                "--overwrite",
+                "--working",
+                "--npy",
+                "--json",
+                "--quiet",
+            ]),
+        ),
         ("verify", log(&["--backends", "--pictures", "--memory", "--json", "--quiet"])),
         ("simulate", vec!["--output", "--seed", "--rig", "--scans", "--bounces", "--no-specular", "--threads"]),
         ("truth", vec!["--output", "--resolution", "--bounds", "--r-max", "--quiet"]),
