@@ -57,6 +57,48 @@ fn row(folder: &Path, case: &str, method: &str, near: bool) -> Option<Vec<String
     Some(SHOWN.iter().map(cell).collect())
 }
 
+/// The part of a document that says which method to take, for one kind of log.
+fn which(document: &str, kind: &str) -> String {
+    let text = std::fs::read_to_string(Path::new(ROOT).join(document)).unwrap();
+    let part = text.split("# Which method?").nth(1).and_then(|t| t.split(&format!("- **{kind}")).nth(1));
+    part.and_then(|t| t.split("\n- **").next()).unwrap().to_string()
+}
+
+#[test]
+fn the_figures_of_which_to_take_are_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let fixed = ["--backend", "cpu", "-q"];
+    let dangers = |log: &str, truth: &[&str], each: &[&str], methods: &[&[&str]]| {
+        echogrid(folder.path(), &[&["map", log, "-o", "truth", "-m", "truth"][..], truth, &fixed].concat());
+        let danger = |method: &&[&str]| {
+            echogrid(folder.path(), &[&["map", log, "-o", "map", "-m"][..], *method, each, &fixed].concat());
+            let text = echogrid(folder.path(), &["score", "map", "--truth", "truth", "--json"]);
+            let scored: Value = serde_json::from_str(&text).unwrap();
+            format!("{:.3}", scored["maps"][0]["danger"].as_f64().unwrap())[1..].to_string()
+        };
+        methods.iter().map(danger).collect::<Vec<_>>()
+    };
+    let mut found = Vec::new();
+    if let Some(log) = data("sonar_ring_8/test1") {
+        let (log, truth) = (log.display().to_string(), ["--sensor", "laser", "-r", "0.1"]);
+        let methods: &[&[&str]] = &[&["bayes"], &["features"], &["himm"]];
+        found.push(("A sparse ring", dangers(&log, &truth, &["--sensor", "sonar", "-r", "0.1"], methods)));
+    }
+    if let Some(log) = data("carmen_corrected/intel-corrected.log.gz") {
+        let (log, each) = (log.display().to_string(), ["-r", "0.05", "-b=-20,-20,25,25"]);
+        let methods: &[&[&str]] = &[&["bayes", "--set", "model=constant"], &["csm-discrete"], &["bayes"]];
+        found.push(("A laser", dangers(&log, &each, &each, methods)));
+    }
+    for (kind, dangers) in found {
+        for document in ["README.md", "docs/methods.md"] {
+            let text = which(document, kind);
+            for danger in &dangers {
+                assert!(text.contains(danger), "{document}, {kind}: {dangers:?}: {text}");
+            }
+        }
+    }
+}
+
 #[test]
 fn its_tables_are_measured() {
     let text = std::fs::read_to_string(Path::new(ROOT).join("docs/methods.md")).unwrap();

@@ -11,7 +11,7 @@ use crate::output::{Folder, Report};
 use crate::score::{Numbers, Options, Score, Truth, open_map, score, write_report};
 use crate::sensor::Overrides;
 use crate::session::{Request, Session};
-use crate::world::{World, simulate};
+use crate::world::{Shipped, World, simulate};
 use crate::{Error, Result};
 use std::fs::File;
 use std::io::BufWriter;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The demo's world, its seed and its cells, metres.
-const WORLD: &str = include_str!("../../worlds/bend.toml");
+const WORLD: &str = "bend";
 const SEED: u64 = 1;
 const RESOLUTION: f64 = 0.05;
 /// A method whose name has this at its end trusts echoes up to 2 m only.
@@ -52,13 +52,15 @@ impl Demo {
         };
         std::fs::create_dir_all(&self.output).map_err(unwritable)?;
         let [file, log] = ["bend.toml", "bend.jsonl"].map(|name| self.output.join(name));
-        if [&file, &log].iter().any(|f| f.exists()) && std::fs::read_to_string(&file).ok().as_deref() != Some(WORLD) {
+        let Some(shipped) = Shipped::named(Path::new(WORLD)) else { return Ok(0) };
+        let text = shipped.text;
+        if [&file, &log].iter().any(|f| f.exists()) && std::fs::read_to_string(&file).ok().as_deref() != Some(text) {
             return Err(Error::Resources(format!(
                 "{} holds a bend.toml or a bend.jsonl that isn't the demo's: give another folder with -o",
                 self.output.display()
             )));
         }
-        std::fs::write(&file, WORLD).map_err(unwritable)?;
+        std::fs::write(&file, text).map_err(unwritable)?;
         let world = World::open(&file)?;
         let out = BufWriter::new(File::create(&log).map_err(unwritable)?);
         let (done, _) = simulate(&world, &world.rig, SEED, None, out, &|_| {})?;
@@ -92,6 +94,8 @@ impl Demo {
         say!("Computed on the {why}. In {:.1} s.", started.elapsed().as_secs_f64());
         say!("{}", ABOUT.trim_end());
         say!("");
+        say!("{}", which(&scores));
+        say!("");
         say!("Look at {}, then map a log of your own: echogrid map LOG -o DIR", page.display());
         Ok(0)
     }
@@ -121,6 +125,23 @@ impl Demo {
         folder.finish()?;
         Ok((report, ran))
     }
+}
+
+/// Which method to take, with the figures above.
+fn which(scores: &[Score]) -> String {
+    let danger = |name: &str| {
+        let score = scores.iter().find(|s| Path::new(&s.path).file_name().is_some_and(|f| f == name));
+        score.and_then(|s| s.numbers.danger).map_or("-".into(), |v| format!("{v:.3}"))
+    };
+    format!(
+        "Which method? Dense sonar scans, as here: features (danger {}); the default, bayes, has {}, with hit_range=2 {}.\n\
+         A sparse ring of sonars: bayes, the default. A laser: bayes --set model=constant.\n\
+         With figures of real logs: {}/blob/main/docs/methods.md",
+        danger("features"),
+        danger("bayes"),
+        danger(&format!("bayes{}", NEAR.0)),
+        env!("CARGO_PKG_REPOSITORY")
+    )
 }
 
 /// One map's line.

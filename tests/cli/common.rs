@@ -3,9 +3,9 @@
 #[path = "../data/mod.rs"]
 mod data;
 
+use assert_cmd::Command;
 #[allow(unused_imports, reason = "not all that share this file need a real log")]
 pub use data::data;
-use assert_cmd::Command;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -5,7 +5,13 @@ use png::{BitDepth, ColorType};
 use std::path::Path;
 
 /// Writes a PNG of 4 × 3 pixels.
-fn png(path: &Path, colour: ColorType, depth: BitDepth, bytes: &[u8], more: impl Fn(&mut png::Encoder<'_, std::fs::File>)) {
+fn png(
+    path: &Path,
+    colour: ColorType,
+    depth: BitDepth,
+    bytes: &[u8],
+    more: impl Fn(&mut png::Encoder<'_, std::fs::File>),
+) {
     let mut encoder = png::Encoder::new(std::fs::File::create(path).unwrap(), 4, 3);
     encoder.set_color(colour);
     encoder.set_depth(depth);
@@ -180,5 +186,8 @@ fn a_size_that_can_not_be_is_refused_before_memory_is_taken() {
     std::fs::write(folder.join("a.pgm"), b"P5 65000 65000 255\n\x00").unwrap();
     let error = open(folder, YAML).unwrap_err();
     let text = error.to_string();
-    assert!(error.exit_code() == 5 && text.contains("a.pgm is too large") || text.contains("it ends after 1 of"), "{text}");
+    assert!(
+        error.exit_code() == 5 && text.contains("a.pgm is too large") || text.contains("it ends after 1 of"),
+        "{text}"
+    );
 }

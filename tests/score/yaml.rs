@@ -54,7 +54,24 @@ fn negate_takes_every_boolean() {
         let text = YAML.replace("negate: 0", &format!("negate: {value}"));
         classes(&open(place.path(), text).unwrap().map)
     };
-    for yes in ["1", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON", "y", "Y", "\"yes\"", "'1'", "2", "!!bool yes"] {
+    for yes in [
+        "1",
+        "yes",
+        "Yes",
+        "YES",
+        "true",
+        "True",
+        "TRUE",
+        "on",
+        "On",
+        "ON",
+        "y",
+        "Y",
+        "\"yes\"",
+        "'1'",
+        "2",
+        "!!bool yes",
+    ] {
         assert_eq!(with(yes), negated, "{yes}");
     }
     for no in ["0", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF", "n", "N", "\"no\"", "'0'", "00"] {
@@ -74,7 +91,9 @@ fn what_is_not_understood_is_refused_by_file_line_key_and_value() {
         }
         assert!(said.contains("m.yaml"), "{said}");
     };
-    let numbers = ["0.05m", "5cm", "0,05", "abc", "", "~", ".nan", "nan", ".inf", "inf", "-0.05", "0", "[0.05]", "{a: 1}", "1e400"];
+    let numbers = [
+        "0.05m", "5cm", "0,05", "abc", "", "~", ".nan", "nan", ".inf", "inf", "-0.05", "0", "[0.05]", "{a: 1}", "1e400",
+    ];
     for value in numbers {
         refused(&YAML.replace("0.05", value), &["m.yaml:2: resolution: ", "metres a pixel, such as 0.05"]);
     }
@@ -106,7 +125,10 @@ fn what_is_not_understood_is_refused_by_file_line_key_and_value() {
         refused(&format!("{YAML}mode: {mode}\n"), &["m.yaml:7: mode: ", "write trinary, scale or raw"]);
     }
     for negate in ["maybe", "1.0", "tru", "", "[1]", "yes no"] {
-        refused(&YAML.replace("negate: 0", &format!("negate: {negate}")), &["m.yaml:4: negate: ", "true, false, yes, no"]);
+        refused(
+            &YAML.replace("negate: 0", &format!("negate: {negate}")),
+            &["m.yaml:4: negate: ", "true, false, yes, no"],
+        );
     }
     for threshold in ["65", "65%", "-0.1", "1.1", ".nan", "high", ""] {
         let with = |old: &str| YAML.replace(old, threshold);
@@ -152,7 +174,10 @@ fn what_is_not_understood_is_refused_by_file_line_key_and_value() {
 fn what_is_not_read_is_noted() {
     let place = place();
     let notes = |more: &str| open(place.path(), format!("{YAML}{more}")).unwrap().notes.join("\n");
-    assert!(notes("occupied_threshold: 0.5\n").contains("m.yaml:7: the key \"occupied_threshold\" isn't read; did you mean \"occupied_thresh\"?"));
+    assert!(
+        notes("occupied_threshold: 0.5\n")
+            .contains("m.yaml:7: the key \"occupied_threshold\" isn't read; did you mean \"occupied_thresh\"?")
+    );
     assert!(notes("Mode: raw\n").contains("did you mean \"mode\"?"));
     assert!(notes("type: {a: [1, {b: 2}]}\n").contains("\"type\" isn't read; the keys are image"));
     assert!(notes("---\nimage: b.pgm\n").contains("m.yaml:7: only the first document"));

@@ -114,7 +114,9 @@ impl<'a> Keys<'a> {
     fn needed(&self, key: &str) -> Result<&'a Entry> {
         let near = |e: &&Entry| nearest(&e.key) == Some(key) && !KEYS.contains(&e.key.as_str());
         self.find(key).ok_or_else(|| match self.entries.iter().find(near) {
-            Some(e) => Error::at(self.path, e.line, format!("it has no \"{key}\": write that in place of \"{}\"", e.key)),
+            Some(e) => {
+                Error::at(self.path, e.line, format!("it has no \"{key}\": write that in place of \"{}\"", e.key))
+            }
             None => Error::input(self.path, format!("it has no \"{key}\": not a map_server map.yaml")),
         })
     }
@@ -186,7 +188,8 @@ impl<'a> Keys<'a> {
     fn unknown(&self) -> Vec<String> {
         let unknown = self.entries.iter().filter(|e| !KEYS.contains(&e.key.as_str()));
         let note = |e: &Entry| {
-            let meant = nearest(&e.key).map_or(format!("; the keys are {}", KEYS.join(", ")), |k| format!("; did you mean \"{k}\"?"));
+            let meant = nearest(&e.key)
+                .map_or(format!("; the keys are {}", KEYS.join(", ")), |k| format!("; did you mean \"{k}\"?"));
             format!("{}:{}: the key \"{}\" isn't read{meant}", self.path.display(), e.line, e.key)
         };
         unknown.map(note).collect()

@@ -74,7 +74,11 @@ impl RosMap {
         let picture = Picture::open(&place, about.resolution, path)?;
         let quarters = quarters(path, &about, &picture)?;
         let (width, height) = (picture.width, picture.height);
-        let cells: Vec<Option<f64>> = (0..height).rev().flat_map(|row| (0..width).map(move |c| row * width + c)).map(|k| value(&about, &picture, k)).collect();
+        let cells: Vec<Option<f64>> = (0..height)
+            .rev()
+            .flat_map(|row| (0..width).map(move |c| row * width + c))
+            .map(|k| value(&about, &picture, k))
+            .collect();
         let [x, y, _] = about.origin;
         let grid = GridSpec { anchor: (x, y), resolution: about.resolution, i0: 0, j0: 0, width, height };
         let (grid, cells) = (0..quarters).fold((grid, cells), turned);

@@ -71,10 +71,16 @@ impl From<String> for Fault {
 impl Picture {
     /// Reads a picture that the YAML file `named` names, of `resolution` metres a pixel.
     pub fn open(path: &Path, resolution: f64, named: &Path) -> Result<Picture> {
-        let unreadable = |what: String| Error::input(path, format!("can't be read: {what}; {} names it as its image", named.display()));
-        let is_file = std::fs::metadata(path).map_err(|e| unreadable(e.to_string()))?.is_file();
-        if !is_file {
+        let unreadable = |what: String| {
+            Error::input(path, format!("can't be read: {what}; {} names it as its image", named.display()))
+        };
+        let file = std::fs::metadata(path).map_err(|e| unreadable(e.to_string()))?;
+        if !file.is_file() {
             return Err(unreadable("it is no file".into()));
+        }
+        if memory::available().is_some_and(|free| file.len() > free) {
+            let what = format!("{} is {}, more than this machine has free", path.display(), memory::show(file.len()));
+            return Err(Error::Resources(what));
         }
         let bytes = std::fs::read(path).map_err(|e| unreadable(e.to_string()))?;
         let fits = |width, height, sample| fits(path, resolution, width, height, sample);
@@ -131,7 +137,13 @@ impl Picture {
             while samples.len() < count {
                 match words.number() {
                     Some(n) if n <= top => samples.push(n as u16),
-                    Some(n) => return Err(format!("its pixel {} is {n}, more than its largest value {top}", samples.len() / channels).into()),
+                    Some(n) => {
+                        return Err(format!(
+                            "its pixel {} is {n}, more than its largest value {top}",
+                            samples.len() / channels
+                        )
+                        .into());
+                    }
                     None if words.ended() => return Err(ends(samples.len())),
                     None => return Err(format!("its pixel {} is no number", samples.len() / channels).into()),
                 }
@@ -202,7 +214,10 @@ impl Words<'_> {
     fn number(&mut self) -> Option<usize> {
         while let Some(byte) = self.bytes.get(self.at) {
             match byte {
-                b'#' => self.at += self.bytes[self.at..].iter().position(|b| *b == b'\n').unwrap_or(self.bytes.len() - self.at),
+                b'#' => {
+                    self.at +=
+                        self.bytes[self.at..].iter().position(|b| *b == b'\n').unwrap_or(self.bytes.len() - self.at)
+                }
                 byte if byte.is_ascii_whitespace() => self.at += 1,
                 _ => break,
             }

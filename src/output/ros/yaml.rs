@@ -54,7 +54,13 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Document> {
             (Event::StreamStart | Event::DocumentStart(_), _) => {}
             (Event::StreamEnd | Event::DocumentEnd, _) => return Err(none()),
             (Event::Scalar(text, ..), _) if text.is_empty() => return Err(none()),
-            (_, line) => return Err(Error::at(path, line, "it is no map_server map.yaml: write keys and values, such as resolution: 0.05")),
+            (_, line) => {
+                return Err(Error::at(
+                    path,
+                    line,
+                    "it is no map_server map.yaml: write keys and values, such as resolution: 0.05",
+                ));
+            }
         }
     }
     loop {

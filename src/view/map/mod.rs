@@ -78,7 +78,6 @@ impl MapView {
         self.scored.as_ref().map_or(&[], |s| &s.notes)
     }
 
-
     /// Opens a map's folder, and what is looked at beside it.
     ///
     /// # Errors
