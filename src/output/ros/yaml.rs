@@ -45,7 +45,7 @@ struct Reader<'a> {
 
 /// Reads a text's first document, which has to be keys and values.
 pub(super) fn parse(path: &Path, text: &str) -> Result<Document> {
-    let mut reader = Reader { path, parser: Parser::new_from_str(text.strip_prefix('\u{feff}').unwrap_or(text)) };
+    let mut reader = Reader { path, parser: Parser::new_from_str(text) };
     let mut entries: Vec<Entry> = Vec::new();
     let none = || Error::input(path, "it has no key: give a map_server map.yaml, with image, resolution and origin");
     loop {
