@@ -1,8 +1,8 @@
 //! `echogrid simulate`: a log of a world.
 
 use super::common::{threads, use_threads};
-use super::say;
-use crate::world::{Rig, World, simulate};
+use super::{note, say};
+use crate::world::{Rig, SHIPPED, Shipped, World, simulate};
 use crate::{Error, Result};
 use indicatif::ProgressBar;
 use std::fs::File;
@@ -14,11 +14,15 @@ use tempfile::NamedTempFile;
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
-    /// The world: a TOML file, such as worlds/room.toml
-    world: PathBuf,
+    /// The world: a built-in one, such as room, or a TOML file
+    #[arg(required_unless_present = "list")]
+    world: Option<PathBuf>,
     /// The log to write (echogrid's JSON Lines), or - for standard output
-    #[arg(short, long, value_name = "LOG")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "LOG", required_unless_present = "list")]
+    output: Option<PathBuf>,
+    /// List the built-in worlds
+    #[arg(long, exclusive = true)]
+    list: bool,
     /// The same seed gives the same log, on any number of threads
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -45,7 +49,13 @@ pub struct Simulate {
 impl Simulate {
     /// Simulates, and says how it went.
     pub fn run(self) -> Result<u8> {
-        let world = World::open(&self.world)?;
+        // without --list both are required
+        let (Some(name), Some(output)) = (&self.world, &self.output) else {
+            SHIPPED.iter().for_each(|s| say!("{:<10}{}", s.name, s.about()));
+            return Ok(0);
+        };
+        Shipped::beside_file(name).iter().for_each(|what| note!("{what}"));
+        let world = World::find(name)?;
         let mut rig = match &self.rig {
             Some(name) => Rig::named(name)?,
             None => world.rig.clone(),
@@ -53,8 +63,8 @@ impl Simulate {
         rig.physics.bounces = self.bounces.unwrap_or(rig.physics.bounces);
         rig.physics.specular &= !self.no_specular;
         use_threads(self.threads)?;
-        let to_stdout = self.output == Path::new("-");
-        let out = Target::open(&self.output)?;
+        let to_stdout = output == Path::new("-");
+        let out = Target::open(output)?;
         let bar = if self.quiet {
             ProgressBar::hidden()
         } else {
@@ -64,7 +74,7 @@ impl Simulate {
         let out = BufWriter::with_capacity(1 << 20, out);
         let (done, out) = simulate(&world, &rig, self.seed, self.scans, out, &|n| bar.set_position(n))?;
         bar.finish_and_clear();
-        out.into_inner().map_err(|e| unwritable(&self.output, e))?.finish(&self.output)?;
+        out.into_inner().map_err(|e| unwritable(output, e))?.finish(output)?;
         let seconds = started.elapsed().as_secs_f64();
         if !self.quiet && !to_stdout {
             say!(
@@ -76,7 +86,7 @@ impl Simulate {
                 100.0 * done.no_echo as f64 / done.readings as f64,
                 done.readings as f64 / seconds
             );
-            say!("Next: echogrid map {} -o DIR", self.output.display());
+            say!("Next: echogrid map {} -o DIR", output.display());
         }
         Ok(0)
     }

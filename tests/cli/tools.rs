@@ -348,6 +348,18 @@ fn demo_maps_and_scores_a_corridor_by_every_method() {
     }
     // what the text under the table says
     assert!(dangers[dangers.len() - 1] < 0.5 * dangers[2], "{dangers:?}");
+    let danger = |name: &str| format!("{:.3}", dangers[names.iter().position(|n| *n == name).unwrap()]);
+    let [features, bayes, near] = ["features", "bayes", "bayes-2m"].map(danger);
+    let which = format!("features (danger {features}); the default, bayes, has {bayes}, with hit_range=2 {near}.");
+    assert!(ran.out.contains(&which), "{which}: {}", ran.out);
+    // and what README.md and docs/methods.md say of it
+    for document in ["README.md", "docs/methods.md"] {
+        let text = std::fs::read_to_string(format!("{}/{document}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let which = text.split("# Which method?").nth(1).and_then(|t| t.split("\n- **A sparse").next()).unwrap();
+        for figure in [&features, &bayes, &near] {
+            assert!(which.contains(&figure[1..]), "{document} has no {figure}: {which}");
+        }
+    }
     let seconds = ran.out.split(" In ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
     assert!(seconds < 10.0, "{seconds} s");
     let page = std::fs::read_to_string(place.path("deep/demo/score/score.html")).unwrap();
