@@ -32,7 +32,8 @@ impl Format for Aria {
         let input = file_of(place, "ARIA")?;
         lasers_only(input, kind, self.name())?;
         let (lasers, global) = survey(input)?;
-        let used: Vec<(u32, Laser)> = lasers.into_iter().filter(|(_, laser)| laser.points || laser.ranges > 0).collect();
+        let used: Vec<(u32, Laser)> =
+            lasers.into_iter().filter(|(_, laser)| laser.points || laser.ranges > 0).collect();
         if used.is_empty() {
             return Err(Error::input(input.path(), "an ARIA log without a sick1: or scan1: line: nothing to map"));
         }
@@ -193,7 +194,8 @@ impl Parse for Lines {
                 return Ok(true);
             }
             "ranges" | "points" => {
-                let found = self.lasers.iter().position(|(number, laser)| *number == n && laser.points == (tag == "points"));
+                let found =
+                    self.lasers.iter().position(|(number, laser)| *number == n && laser.points == (tag == "points"));
                 let Some(sensor) = found else { return Ok(false) };
                 let robot = self.robot.ok_or("a scan without the robot's pose before it")?;
                 let values = numbers(rest)?;

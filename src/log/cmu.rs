@@ -2,7 +2,7 @@
 //! poses, `O x y θ t` odometry. Centimetres and radians; beam k at −90° + k · 1°; ranges from 8183 cm on are no return.
 
 use super::format::{Format, Items, Mounted, Place, Probe, Source, check_pose, lasers_only, number};
-use super::text::{Parse, Scan, SICK_CODES, TextLog, file_of};
+use super::text::{Parse, SICK_CODES, Scan, TextLog, file_of};
 use crate::Result;
 use crate::reading::Pose;
 use crate::sensor::{Description, Kind};
@@ -80,9 +80,8 @@ impl Parse for Lines {
     ) -> std::result::Result<bool, String> {
         let fields: Vec<&str> = line.split_ascii_whitespace().collect();
         let value = |i: usize| number(i + 1, fields.get(i).copied().unwrap_or_default());
-        let pose = |i: usize| {
-            Ok::<_, String>(Pose { x: value(i)? / 100.0, y: value(i + 1)? / 100.0, heading: value(i + 2)? })
-        };
+        let pose =
+            |i: usize| Ok::<_, String>(Pose { x: value(i)? / 100.0, y: value(i + 1)? / 100.0, heading: value(i + 2)? });
         match fields.first() {
             None => return Ok(true),
             Some(&"O") => return Ok(false),

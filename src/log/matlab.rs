@@ -86,7 +86,10 @@ pub(super) fn open_fields(place: &Place, text: &str, kind: Option<Kind>) -> Resu
     let probe = Probe::Text(&head);
     let format: &dyn Format = if Octave.claims(&probe) { &Octave } else { &Matlab };
     if !format.claims(&probe) {
-        let what = format!("--fields {text}: {} is no MATLAB or Octave file; of a table, --columns names the columns", input.path().display());
+        let what = format!(
+            "--fields {text}: {} is no MATLAB or Octave file; of a table, --columns names the columns",
+            input.path().display()
+        );
         return Err(Error::Usage(what));
     }
     Ok((format.name(), named::open(input, &variables(input)?, Some(text), kind)?))

@@ -61,6 +61,16 @@ pub struct Options {
     pub spool: Option<PathBuf>,
 }
 
+impl Options {
+    fn mapping(&self) -> Vec<(&'static str, String)> {
+        let poses = self.poses.as_ref().map(|path| path.display().to_string());
+        [("columns", &self.columns), ("fields", &self.fields), ("poses", &poses), ("pose_columns", &self.pose_columns)]
+            .into_iter()
+            .filter_map(|(name, text)| Some((name, text.clone()?)))
+            .collect()
+    }
+}
+
 /// What a log holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
@@ -99,6 +109,7 @@ pub struct Log {
     source: Box<dyn Source>,
     header: Header,
     sensors: Arc<[Mounted]>,
+    mapping: Vec<(&'static str, String)>,
 }
 
 impl Log {
@@ -161,16 +172,16 @@ impl Log {
             sensors: sensors.iter().map(|m| m.sensor.clone()).collect(),
             classes: source.classes().to_vec(),
         };
-        Ok(Log { path: path.into(), source, header, sensors: sensors.into() })
+        Ok(Log { path: path.into(), source, header, sensors: sensors.into(), mapping: options.mapping() })
     }
 
     /// The log with the poses of another file, if one is given; refuses a log that has none and is given none.
     fn posed(path: &Path, source: Box<dyn Source>, sensors: &[Mounted], options: &Options) -> Result<Box<dyn Source>> {
         match &options.poses {
             Some(poses) => Ok(Box::new(poses::Posed::of(source, sensors, poses, options.pose_columns.as_deref())?)),
-            None if options.pose_columns.is_some() => {
-                Err(Error::Usage("--pose-columns names the columns of a file of poses: give it with --poses FILE".into()))
-            }
+            None if options.pose_columns.is_some() => Err(Error::Usage(
+                "--pose-columns names the columns of a file of poses: give it with --poses FILE".into(),
+            )),
             None if source.has_poses() => Ok(source),
             None => Err(Error::input(
                 path,
@@ -201,6 +212,11 @@ impl Log {
         } else {
             "own"
         }
+    }
+
+    /// What the user said of its columns, variables and poses, by the options' names (`columns`, `fields`, `poses`, `pose_columns`).
+    pub fn mapping(&self) -> &[(&'static str, String)] {
+        &self.mapping
     }
 
     /// What a user should know of how it is read, in whole sentences; complete after the first pass over it.

@@ -25,12 +25,12 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"#ROSBAG V", "a ROS 1 bag", BAG),
     (b"\x89MCAP0\r\n", "an MCAP file (a ROS 2 bag)", BAG2),
     (b"SQLite format 3\0", "an SQLite database (as ROS 2 bags are, .db3)", BAG2),
+    (b"\x89HDF\r\n", "an HDF5 file", "if it is a MATLAB log, load it in MATLAB and save it with save(name, '-v7')"),
     (
-        b"\x89HDF\r\n",
-        "an HDF5 file",
-        "if it is a MATLAB log, load it in MATLAB and save it with save(name, '-v7')",
+        b"Octave-1-",
+        "an Octave file in Octave's binary form",
+        "load it in Octave and save it with save -text or save -v7",
     ),
-    (b"Octave-1-", "an Octave file in Octave's binary form", "load it in Octave and save it with save -text or save -v7"),
     (b"\x0a\x0d\x0d\x0a", "a capture of network packets (pcapng)", "convert it with the laser's own tools to CSV"),
     (b"\xd4\xc3\xb2\xa1", "a capture of network packets (PCAP)", "convert it with the laser's own tools to CSV"),
     (b"\xa1\xb2\xc3\xd4", "a capture of network packets (PCAP)", "convert it with the laser's own tools to CSV"),
@@ -42,7 +42,11 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"LASF", "a LAS or LAZ file", POINTS),
     (b"PAR1", "a Parquet file", TABLE),
     (b"ARROW1", "an Arrow (Feather) file", TABLE),
-    (b"\x93NUMPY", "a NumPy array (.npy)", "write it as text, numpy.savetxt(name, array), and name its columns with --columns"),
+    (
+        b"\x93NUMPY",
+        "a NumPy array (.npy)",
+        "write it as text, numpy.savetxt(name, array), and name its columns with --columns",
+    ),
     (b"\x89PNG\r\n", "a PNG picture", NO_LOG),
     (b"\xff\xd8\xff", "a JPEG picture", NO_LOG),
     (b"GIF8", "a GIF picture", NO_LOG),
@@ -78,7 +82,10 @@ pub(super) fn binary(path: &Path, head: &[u8]) -> Option<Error> {
     let has = |word: &[u8]| first.windows(word.len()).any(|w| w == word);
     if head.starts_with(b"PK\x03\x04") {
         return match has(b".npy") {
-            true => is("NumPy arrays (.npz)", "write them as text, numpy.savetxt(name, array), and name the columns with --columns"),
+            true => is(
+                "NumPy arrays (.npz)",
+                "write them as text, numpy.savetxt(name, array), and name the columns with --columns",
+            ),
             false => is("packed with zip", UNPACK),
         };
     }
@@ -141,10 +148,17 @@ pub(super) fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
         let count = cells.len();
         return Error::input(
             path,
-            format!("{what}. If it is a table, say what its {count} columns hold, such as --columns {example} (docs/formats.md). Known are: {known}"),
+            format!(
+                "{what}. If it is a table, say what its {count} columns hold, such as --columns {example} (docs/formats.md). Known are: {known}"
+            ),
         );
     }
-    Error::input(path, format!("{what}. A table is read with its columns named, --columns t,x,y,heading,range (docs/formats.md). Known are: {known}"))
+    Error::input(
+        path,
+        format!(
+            "{what}. A table is read with its columns named, --columns t,x,y,heading,range (docs/formats.md). Known are: {known}"
+        ),
+    )
 }
 
 /// What is in a folder that is no log.

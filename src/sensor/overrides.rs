@@ -118,7 +118,9 @@ mod tests {
     #[test]
     fn every_documented_key_is_taken() {
         let mut o = Overrides::default();
-        for (key, value) in OVERRIDE_KEYS.iter().zip(["15deg", "170mm", "5", "hit", "3m", "1.5", "5cm", "180deg", "none"]) {
+        for (key, value) in
+            OVERRIDE_KEYS.iter().zip(["15deg", "170mm", "5", "hit", "3m", "1.5", "5cm", "180deg", "none"])
+        {
             assert!(o.set(key.name, value).unwrap(), "{}", key.name);
         }
         let all = (o.beta, o.r_min, o.r_max, o.hit_range, o.no_echo_range, o.epsilon, o.mounts);

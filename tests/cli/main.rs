@@ -15,5 +15,6 @@ mod outputs;
 mod repeat;
 mod resume;
 mod sensors;
+mod tables;
 mod tools;
 mod worlds;

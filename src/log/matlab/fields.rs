@@ -24,9 +24,25 @@ pub(super) const KEYS: [(&str, Option<ColumnRole>); 14] = [
 ];
 
 /// Names that tell a variable, letters alone.
-const POSES: &[&str] = &["pose", "poses", "robotpose", "robotposes", "trajectory", "traj", "odom", "odometry", "path", "state", "states"];
-const RANGES: &[&str] = &["ranges", "range", "scan", "scans", "laser", "lasers", "laserscan", "laserscans", "laserranges", "lidar", "rangescans", "z", "measurements"];
-const ANGLES: &[&str] = &["angles", "angle", "bearings", "bearing", "scanangles", "laserangles", "anglescan", "beamangles", "thk"];
+const POSES: &[&str] =
+    &["pose", "poses", "robotpose", "robotposes", "trajectory", "traj", "odom", "odometry", "path", "state", "states"];
+const RANGES: &[&str] = &[
+    "ranges",
+    "range",
+    "scan",
+    "scans",
+    "laser",
+    "lasers",
+    "laserscan",
+    "laserscans",
+    "laserranges",
+    "lidar",
+    "rangescans",
+    "z",
+    "measurements",
+];
+const ANGLES: &[&str] =
+    &["angles", "angle", "bearings", "bearing", "scanangles", "laserangles", "anglescan", "beamangles", "thk"];
 const TIMES: &[&str] = &["t", "time", "times", "timestamp", "timestamps", "ts", "stamps"];
 const HEADINGS: &[&str] = &["h", "th", "theta", "yaw", "heading", "phi"];
 
@@ -78,7 +94,9 @@ pub(super) fn parse(text: &str) -> Read_<Vec<Field>> {
     }
     match (has("ranges"), has("points")) {
         (true, true) => Err("either ranges or points, not both".into()),
-        (false, false) => Err("name the readings: ranges=… (with angles, or first and step, or fov), or points=…".into()),
+        (false, false) => {
+            Err("name the readings: ranges=… (with angles, or first and step, or fov), or points=…".into())
+        }
         (true, false) if !has("angles") && !has("fov") && !(has("first") && has("step")) => {
             Err("ranges need the beams' bearings: angles=…, or first=… and step=…, or fov=180deg".into())
         }
@@ -97,7 +115,9 @@ pub(super) fn resolve(variables: &[(String, Array)], path: &str) -> Read_<Array>
     let found = variables.iter().find(|(name, _)| name == root).map(|(_, array)| array);
     let mut array = found.ok_or_else(|| format!("there is no variable {}", quote(root)))?;
     for part in parts {
-        let Array::Struct(fields) = array else { return Err(format!("{root} is {array}, and has no field {}", quote(part))) };
+        let Array::Struct(fields) = array else {
+            return Err(format!("{root} is {array}, and has no field {}", quote(part)));
+        };
         let inner = fields.iter().find(|(name, _)| name == part).map(|(_, array)| array);
         array = inner.ok_or_else(|| {
             let names: Vec<&str> = fields.iter().map(|(name, _)| name.as_str()).collect();
@@ -105,7 +125,9 @@ pub(super) fn resolve(variables: &[(String, Array)], path: &str) -> Read_<Array>
         })?;
     }
     let Some(index) = index else { return Ok(array.clone()) };
-    let Array::Numbers { rows, values } = array else { return Err(format!("{names} is {array}: it has no rows and columns")) };
+    let Array::Numbers { rows, values } = array else {
+        return Err(format!("{names} is {array}: it has no rows and columns"));
+    };
     let wrong = || format!("({index}) is no row or column: write (:,1) for a column or (1,:) for a row");
     let (row, column) = index.split_once(',').ok_or_else(wrong)?;
     let number = |text: &str| text.trim().parse::<usize>().ok().filter(|n| *n > 0).ok_or_else(wrong);
@@ -158,8 +180,10 @@ pub(super) fn list(variables: &[(String, Array)]) -> String {
 
 /// A line of `--fields` as the names tell; the second says whether it is plain enough to be taken. A note goes with some.
 pub(super) fn guess(variables: &[(String, Array)]) -> (String, bool, Option<String>) {
+    // Other names can't be written in a line of --fields.
+    let proper = |path: &str| path.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '.'));
     let struct_with = |names: &[&str]| {
-        variables.iter().find_map(|(name, array)| match array {
+        variables.iter().filter(|(name, _)| proper(name)).find_map(|(name, array)| match array {
             Array::Struct(fields) if names.iter().all(|n| fields.iter().any(|(f, _)| f == n)) => Some((name, fields)),
             _ => None,
         })
@@ -181,10 +205,11 @@ pub(super) fn guess(variables: &[(String, Array)]) -> (String, bool, Option<Stri
                     r·sin(θ + α)); --fields pose=pose,ranges=ranges,angles=scanAngles reads them counter-clockwise";
         return (format!("pose=pose:-rad,ranges=ranges,angles=scanAngles:-rad{t}"), true, Some(note.into()));
     }
-    let all = paths(variables);
+    let all: Vec<_> = paths(variables).into_iter().filter(|(path, _)| proper(path)).collect();
     let last = |path: &str| letters(path.rsplit('.').next().unwrap_or(path));
     let find = |names: &[&str]| {
-        let found: Vec<&(String, &Array)> = all.iter().filter(|(path, _)| names.contains(&last(path).as_str())).collect();
+        let found: Vec<&(String, &Array)> =
+            all.iter().filter(|(path, _)| names.contains(&last(path).as_str())).collect();
         match found[..] {
             [one] => Some(one.0.clone()),
             _ => None,

@@ -73,7 +73,8 @@ impl<'a> Lines<'a> {
     }
 
     fn take(&mut self, numbers: usize) -> Read_<()> {
-        self.left = self.left.checked_sub(numbers as u64).ok_or("is more than 512 MiB to read: save fewer scans in a file")?;
+        self.left =
+            self.left.checked_sub(numbers as u64).ok_or("is more than 512 MiB to read: save fewer scans in a file")?;
         Ok(())
     }
 
@@ -85,9 +86,11 @@ impl<'a> Lines<'a> {
         }
         self.count("ndims")?;
         let line = self.need()?;
-        let sizes: Result<Vec<usize>, _> = line.trim_start_matches('#').split_ascii_whitespace().map(str::parse).collect();
+        let sizes: Result<Vec<usize>, _> =
+            line.trim_start_matches('#').split_ascii_whitespace().map(str::parse).collect();
         let sizes = sizes.map_err(|_| format!("{} are no dimensions", crate::log::format::quote(line)))?;
-        let columns = sizes.iter().skip(1).try_fold(1usize, |n, s| n.checked_mul(*s)).ok_or("its dimensions are too large")?;
+        let columns =
+            sizes.iter().skip(1).try_fold(1usize, |n, s| n.checked_mul(*s)).ok_or("its dimensions are too large")?;
         Ok((sizes.first().copied().unwrap_or(0), columns))
     }
 

@@ -103,7 +103,9 @@ fn poses(array: &Array, scale: f64) -> Read_<(Vec<Pose>, bool)> {
             }
             match rows {
                 3 => Ok((values.chunks_exact(3).map(|p| pose(p[0], p[1], p[2])).collect(), true)),
-                _ => Err(format!("pose is {array}, not 3 × N or N × 3: name x, y and heading by themselves, as x=P(:,1)")),
+                _ => Err(format!(
+                    "pose is {array}, not 3 × N or N × 3: name x, y and heading by themselves, as x=P(:,1)"
+                )),
             }
         }
         Array::Cells(cells) => {
@@ -221,7 +223,8 @@ impl Plot {
                 (0..count).map(|k| at(first) + k as f64 * at(step)).collect()
             }
             Bearings::Over(fov) => {
-                let gaps = if *fov > 2.0 * std::f64::consts::PI - 1e-6 { count } else { count.saturating_sub(1).max(1) };
+                let gaps =
+                    if *fov > 2.0 * std::f64::consts::PI - 1e-6 { count } else { count.saturating_sub(1).max(1) };
                 (0..count).map(|k| -fov / 2.0 + k as f64 * fov / gaps as f64).collect()
             }
         };

@@ -53,7 +53,8 @@ pub(super) struct Message {
 /// Whether a line looks like one of such a log.
 pub(super) fn looks(line: &str) -> bool {
     let fields: Vec<&str> = line.split_ascii_whitespace().take(6).collect();
-    let kinds = ["position2d", "position", "laser", "sonar", "ranger", "localize", "power", "wifi", "gps", "blobfinder"];
+    let kinds =
+        ["position2d", "position", "laser", "sonar", "ranger", "localize", "power", "wifi", "gps", "blobfinder"];
     matches!(fields[..], [time, _, _, interface, index, _]
         if time.parse::<f64>().is_ok() && kinds.contains(&interface) && index.parse::<u32>().is_ok())
 }
@@ -113,7 +114,7 @@ fn what(interface: &str, kind: (u32, u32), old: bool, v: &[f64]) -> Result<What,
         ("sonar", (1, 1)) => What::Sonar(counted(v, 1)?.concat()),
         ("sonar", (1, 2) | (4, 1)) => {
             // Player 3 gives places in space: x y z and three angles.
-            let width = if v.len() > 1 && v.len() - 1 == 6 * v[0] as usize { 6 } else { 3 };
+            let width = if v.len() > 1 && (v.len() - 1) as f64 == 6.0 * v[0] { 6 } else { 3 };
             What::SonarPlaces(counted(v, width)?.iter().map(|place| space(place)).collect())
         }
         ("ranger", (1, 1 | 2)) => {
@@ -167,7 +168,9 @@ fn counted(v: &[f64], width: usize) -> Result<Vec<&[f64]>, String> {
 fn laser(v: &[f64], pose: usize) -> Result<What, String> {
     for (at, cap) in [(1 + pose, true), (pose, true), (pose, false)] {
         let count_at = at + 3 + usize::from(cap);
-        let Some(count) = v.get(count_at).copied().filter(|n| n.fract() == 0.0 && (1.0..1e6).contains(n)) else { continue };
+        let Some(count) = v.get(count_at).copied().filter(|n| n.fract() == 0.0 && (1.0..1e6).contains(n)) else {
+            continue;
+        };
         let readings = v.get(count_at + 1..).unwrap_or_default();
         if readings.len() as f64 != 2.0 * count {
             continue;

@@ -53,7 +53,9 @@ impl Format for Player {
             let what = match kind {
                 Some(Kind::Laser) => "a Player log without a laser's scans: leave out --sensor laser",
                 Some(Kind::Sonar) => "a Player log without sonars that say where they sit: leave out --sensor sonar",
-                None => "a Player log without laser, sonar or ranger messages that say where their beams look: nothing to map",
+                None => {
+                    "a Player log without laser, sonar or ranger messages that say where their beams look: nothing to map"
+                }
             };
             return Err(Error::input(input.path(), what));
         }
@@ -175,9 +177,8 @@ impl Survey {
                         sensors.push((Device::Sonar(*index, k, *count), 1, sonar(*place)));
                     }
                 }
-                _ => notes.push(format!(
-                    "sonar:{index} is left out: the log has no geometry message for its {count} sonars"
-                )),
+                _ => notes
+                    .push(format!("sonar:{index} is left out: the log has no geometry message for its {count} sonars")),
             }
         }
         for (index, count) in &rangers {
@@ -201,7 +202,8 @@ impl Survey {
                         sensors.push((Device::Ranger(*index, k, *count), 1, d));
                     }
                 }
-                _ => notes.push(format!("ranger:{index} is left out: nothing in the log says where its {count} beams look")),
+                _ => notes
+                    .push(format!("ranger:{index} is left out: nothing in the log says where its {count} beams look")),
             }
         }
         let several = positions.len() > 1;

@@ -56,7 +56,8 @@ impl Format for RosTopic {
         let layout = layout.ok_or_else(|| fail("no row of a ROS topic"))?;
         match layout.body {
             Body::Pose(_) => {
-                let what = "holds poses, no ranges: map the file of the scans (or ranges), and give this one with --poses";
+                let what =
+                    "holds poses, no ranges: map the file of the scans (or ranges), and give this one with --poses";
                 return Err(fail(what));
             }
             Body::Scan(..) | Body::OpenScan(..) => lasers_only(input, kind, "LaserScan")?,
@@ -181,7 +182,9 @@ fn ranges<'a, 'b>(layout: &Layout, cells: &'b [&'a str]) -> std::result::Result<
             match rest.len() {
                 found if fits(found) => Ok(rest),
                 found if found.is_multiple_of(2) && fits(found / 2) => Ok(&rest[..found / 2]),
-                found => Err(format!("expected about {count} ranges as its angles say, and as many intensities or none, found {found} cells")),
+                found => Err(format!(
+                    "expected about {count} ranges as its angles say, and as many intensities or none, found {found} cells"
+                )),
             }
         }
         _ => Ok(&[]),
@@ -232,9 +235,8 @@ impl Parse for Rows {
                     (first, step) = (beams.first, beams.step);
                 }
                 for (k, text) in ranges(&self.layout, &cells)?.iter().enumerate() {
-                    let range = super::text::real(text).ok_or_else(|| {
-                        format!("range {k} is {}, not a number", super::format::quote(text))
-                    })?;
+                    let range = super::text::real(text)
+                        .ok_or_else(|| format!("range {k} is {}, not a number", super::format::quote(text)))?;
                     scan.push(sensors, first + k as f64 * step, range, items);
                 }
             }

@@ -113,9 +113,8 @@ impl Layout {
         }
         if n > 11 && numbers(3..n) {
             let ranges = n - 10;
-            let fits = beams().is_some_and(|b| {
-                [ranges as f64, ranges as f64 / 2.0].iter().any(|found| (found - b).abs() <= 1.0)
-            });
+            let fits = beams()
+                .is_some_and(|b| [ranges as f64, ranges as f64 / 2.0].iter().any(|found| (found - b).abs() <= 1.0));
             if fits {
                 return layout(Body::OpenScan([3, 5, 8, 9], 10), None);
             }

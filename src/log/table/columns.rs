@@ -90,7 +90,9 @@ impl Columns {
                     }
                     Some(at) if name[at..].starts_with('*') && count.is_none() => {
                         let number = name[at + 1..].trim().parse::<usize>().ok().filter(|n| (1..=100_000).contains(n));
-                        count = Some(number.ok_or_else(|| wrong("a count is a whole number from 1, as in range*180".into()))?);
+                        count = Some(
+                            number.ok_or_else(|| wrong("a count is a whole number from 1, as in range*180".into()))?,
+                        );
                         name = &name[..at];
                     }
                     _ => {}

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub(super) use columns::Columns;
-pub(super) use columns::scale;
 pub(super) use columns::Role as ColumnRole;
+pub(super) use columns::scale;
 pub(super) use rows::Rows;
 
 mod columns;
@@ -153,11 +153,12 @@ impl First {
                 return true;
             }
             let rows = Rows::of(text);
-            if headers == 0 && rows.is_header(text, columns) {
+            if headers == 0 && rows.is_header(line, columns) {
                 headers = 1;
                 return true;
             }
-            let cells = rows.split(text).len();
+            // Blanks at its end may be empty cells between tabs.
+            let cells = rows.split(line).len();
             found = Some(match columns.of(cells) {
                 Ok(columns) => Ok(First { rows, columns, line: number, commas: rows.has_commas(text) }),
                 Err(what) => Err(Error::at(input.path(), number, format!("{what}: {}", quote(text)))),
@@ -218,7 +219,7 @@ impl Parse for Table {
         if at < self.from || line.trim().is_empty() || comment(line.trim()) {
             return Ok(true);
         }
-        let cells = self.rows.split(line.trim());
+        let cells = self.rows.split(line);
         if cells.len() != self.columns.len() {
             return Err(format!("expected {} cells, found {}", self.columns.len(), cells.len()));
         }
@@ -236,7 +237,8 @@ impl Parse for Table {
                 Role::Sensor => {
                     let plain = || self.ids.get(&cell.parse::<usize>().ok()?.to_string());
                     let index = self.ids.get(cell.as_ref()).or_else(plain);
-                    sensor = *index.ok_or_else(|| format!("sensor {} is not among the first {MOST_SENSORS}", quote(cell)))?;
+                    sensor = *index
+                        .ok_or_else(|| format!("sensor {} is not among the first {MOST_SENSORS}", quote(cell)))?;
                 }
                 Role::Px => robot[0] = value("x")?,
                 Role::Py => robot[1] = value("y")?,
