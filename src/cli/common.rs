@@ -69,6 +69,18 @@ pub struct LogArguments {
     /// A TOML file that describes the sensors
     #[arg(long, value_name = "FILE")]
     pub sensor_file: Option<PathBuf>,
+    /// Read the log as a table with these columns, such as t,x,y,heading:deg,range:cm; - skips one, range*180 is a scan
+    #[arg(long, value_name = "NAMES", allow_hyphen_values = true)]
+    pub columns: Option<String>,
+    /// Which variables of a MATLAB or Octave file are what, such as pose=P,ranges=R,angles=A,t=T
+    #[arg(long, value_name = "KEY=NAME,…")]
+    pub fields: Option<String>,
+    /// A file with the robot's poses by time (a ROS topic as CSV, TUM, t x y heading), for a log without them or in place of its own
+    #[arg(long, value_name = "FILE")]
+    pub poses: Option<PathBuf>,
+    /// What the columns of --poses hold, such as t:ms,x,y,heading:deg
+    #[arg(long, value_name = "NAMES", allow_hyphen_values = true)]
+    pub pose_columns: Option<String>,
     /// A TOML file with the class labels' names and colours, for the semantic methods
     #[arg(long, value_name = "FILE")]
     pub classes: Option<PathBuf>,
@@ -240,6 +252,10 @@ impl LogArguments {
                 kind,
                 sensor_file: self.sensor_file.clone(),
                 overrides,
+                columns: self.columns.clone(),
+                fields: self.fields.clone(),
+                poses: self.poses.clone(),
+                pose_columns: self.pose_columns.clone(),
                 classes: self.classes.clone(),
                 spool: None,
             },
@@ -357,6 +373,10 @@ impl LogArguments {
             ("--bounds", self.bounds.is_some()),
             ("--sensor", self.sensor.is_some()),
             ("--sensor-file", self.sensor_file.is_some()),
+            ("--columns", self.columns.is_some()),
+            ("--fields", self.fields.is_some()),
+            ("--poses", self.poses.is_some()),
+            ("--pose-columns", self.pose_columns.is_some()),
             ("--classes", self.classes.is_some()),
             ("--set", !self.set.is_empty()),
             ("--until", self.until.is_some()),
@@ -375,6 +395,10 @@ impl LogArguments {
             bounds: None,
             sensor: None,
             sensor_file: None,
+            columns: None,
+            fields: None,
+            poses: None,
+            pose_columns: None,
             classes: None,
             set: Vec::new(),
             until: None,

@@ -221,6 +221,7 @@ pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
         "half_width" | "beta" => (0.0..=WIDEST).contains(&value),
         "r_min" | "no_echo_range" => (0.0..=LONGEST).contains(&value),
         "r_max" | "hit_range" | "epsilon" => value > 0.0 && value <= LONGEST,
+        "fov" => value > 0.0 && value <= 2.0 * std::f64::consts::PI + 1e-9,
         "step" => value != 0.0 && value.is_finite(),
         _ => value.is_finite() && value.abs() <= LONGEST,
     };
@@ -229,6 +230,7 @@ pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
         (_, "half_width" | "beta") => Err("takes 0 to 60deg (1.0472)".into()),
         (_, "r_min" | "no_echo_range") => Err("takes 0 to 1e6 m".into()),
         (_, "r_max" | "hit_range" | "epsilon") => Err("takes more than 0, up to 1e6 m".into()),
+        (_, "fov") => Err("takes more than 0, up to 360deg".into()),
         (_, "step") => Err("takes an angle other than 0".into()),
         _ => Err("takes -1e6 to 1e6".into()),
     }

@@ -5,8 +5,21 @@ use echogrid::method::REGISTRY;
 use echogrid::method::settings::Settings;
 use echogrid::sensor::OVERRIDE_KEYS;
 
-const LOG: [&str; 9] =
-    ["--method", "--resolution", "--bounds", "--sensor", "--sensor-file", "--set", "--until", "--strict", "--batch"];
+const LOG: [&str; 13] = [
+    "--method",
+    "--resolution",
+    "--bounds",
+    "--sensor",
+    "--sensor-file",
+    "--columns",
+    "--fields",
+    "--poses",
+    "--pose-columns",
+    "--set",
+    "--until",
+    "--strict",
+    "--batch",
+];
 
 /// Every subcommand and its options, but `--help`.
 fn options() -> Vec<(&'static str, Vec<&'static str>)> {

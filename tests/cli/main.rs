@@ -16,5 +16,6 @@ mod printing;
 mod repeat;
 mod resume;
 mod sensors;
+mod tables;
 mod tools;
 mod worlds;
