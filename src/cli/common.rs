@@ -1,6 +1,6 @@
 //! Arguments that several commands share, and what they come to.
 
-use super::note;
+use super::{interrupt, note};
 use crate::grid::GridSpec;
 use crate::kernels::Choice;
 use crate::log;
@@ -263,30 +263,40 @@ pub fn count(n: u64, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
-/// A progress bar over so many readings, on a terminal only; it goes away at the end.
-pub fn bar(readings: u64, what: &'static str, quiet: bool) -> ProgressBar {
+/// Columns of a terminal that has room for a bar beside its stage's name and the share that is done.
+const ROOM: u16 = 36;
+
+/// A progress bar of a stage of so many steps, on a terminal only; it goes away at the end. It tells a share, not the steps: they
+/// aren't the same in each stage, since a reading is taken by every chunk that it reaches.
+pub fn bar(steps: u64, stage: &'static str, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::new(readings).with_finish(ProgressFinish::AndClear);
-    if let Ok(style) = ProgressStyle::with_template("{msg:10} {wide_bar} {human_pos}/{human_len} readings, {eta} left")
-    {
+    let (_, columns) = console::Term::stderr().size();
+    let template = match columns < ROOM {
+        true => "{msg} {percent} %",
+        false => "{msg:9} {wide_bar} {percent:>3} %, {eta} left",
+    };
+    let bar = ProgressBar::new(steps).with_finish(ProgressFinish::AndClear);
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
-    bar.set_message(what);
+    bar.set_message(stage);
+    interrupt::shows(&bar);
     bar
 }
 
 /// A sign of life where nothing counts how far a run is, on a terminal only; it goes away at the end.
-pub fn spinner(what: &'static str, quiet: bool) -> ProgressBar {
+pub fn spinner(stage: &'static str, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new_spinner().with_finish(ProgressFinish::AndClear);
-    if let Ok(style) = ProgressStyle::with_template("{msg:10} {spinner} {elapsed}") {
+    if let Ok(style) = ProgressStyle::with_template("{msg:9} {spinner} {elapsed}") {
         bar.set_style(style);
     }
-    bar.set_message(what);
+    bar.set_message(stage);
+    interrupt::shows(&bar);
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }

@@ -2,7 +2,7 @@
 
 use super::common::BackendArgument;
 use super::map::{Ran, save};
-use super::say;
+use super::{interrupt, say};
 use crate::kernels::choose;
 use crate::log;
 use crate::mapper::BATCH;
@@ -107,6 +107,7 @@ impl Demo {
             strict: true,
         };
         let folder = Folder::prepare(&self.output.join(name))?;
+        interrupt::output(folder.path(), Vec::new(), false);
         let session = Session::open(log, &request)?;
         let started = Instant::now();
         let (mapped, ran) = match self.backend.choice() {
@@ -117,8 +118,9 @@ impl Demo {
             }
         };
         let seconds = vec![("map".into(), started.elapsed().as_secs_f64())];
+        let unbroken = interrupt::unbroken();
         let report = save(&folder, &session, &mapped, &ran, seconds, false)?;
-        folder.finish()?;
+        interrupt::finished(&folder.finish()?, unbroken);
         Ok((report, ran))
     }
 }

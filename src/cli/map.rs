@@ -4,6 +4,7 @@ use super::common::{
     BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, warn_of_bad_lines, warn_of_empty_map,
     warn_of_jump,
 };
+use super::interrupt::{self, Unbroken};
 use super::{note, say};
 use crate::feature::{self, Times};
 use crate::kernels::cpu::Cpu;
@@ -51,9 +52,13 @@ impl Map {
     /// Maps the log.
     pub fn run(self) -> Result<u8> {
         let request = self.log.request()?;
+        let made = interrupt::missing_above(&self.output);
         let folder = Folder::open(&self.output, self.resume)?;
+        interrupt::output(folder.path(), made, true);
         let started = Instant::now();
+        let sign = spinner("reading", self.hidden());
         let session = Session::open(&self.log.log, &request)?;
+        drop(sign);
         let surveyed = started.elapsed().as_secs_f64();
         warn_of_bad_lines(&session);
         self.check_working(&session)?;
@@ -62,7 +67,7 @@ impl Map {
             session.check_memory(session.memory(self.log.batch), self.memory)?;
         }
         let seconds = vec![("survey".to_string(), surveyed)];
-        let (folder, report, counts, ran) = match self.backend.choice() {
+        let (folder, report, counts, ran, unbroken) = match self.backend.choice() {
             Some(choice) if whole => self.whole(folder, &session, choice, seconds)?,
             choice => self.resident(folder, &session, choice, seconds)?,
         };
@@ -70,6 +75,7 @@ impl Map {
             self.write_working(&folder, &session, n as usize)?;
         }
         let place = folder.finish()?;
+        interrupt::finished(&place, unbroken);
         warn_of_empty_map(&counts, &session);
         if report.features.as_ref().is_some_and(|f| f.regions == 0) {
             note!("{NO_REGIONS}");
@@ -93,7 +99,7 @@ impl Map {
         session: &Session,
         choice: crate::kernels::Choice,
         seconds: Vec<(String, f64)>,
-    ) -> Result<(Folder, Report, Counts, Ran)> {
+    ) -> Result<(Folder, Report, Counts, Ran, Unbroken)> {
         let plan = whole::Plan::of(session, self.log.batch, self.memory)?;
         plan.check_space(session, folder.path(), self.npy)?;
         warn_of_jump(&self.log, session);
@@ -106,9 +112,14 @@ impl Map {
         let (heads, combined) = layers::heads(session.method.as_ref());
         let method = method::name(session.method.as_ref()).to_string();
         let outline = Outline { grid: session.grid, method, heads, combined, npy: self.npy };
+        let unbroken = interrupt::unbroken();
         let mut writer = MapWriter::open(folder.path(), outline, &info, self.resume)?;
+        drop(unbroken);
         let before = writer.done().len();
         let stage = |what, readings| -> Box<dyn Fn(u64)> {
+            if what == whole::MAPPING {
+                interrupt::writing();
+            }
             let bar = bar(readings, what, self.hidden());
             Box::new(move |n| bar.inc(n))
         };
@@ -123,8 +134,11 @@ impl Map {
         }
         let info =
             RunInfo { readings: counts, seconds: info.seconds.into_iter().chain(seconds).collect(), busy, ..info };
+        // The cells are done: what is left is worth waiting for.
+        let unbroken = interrupt::unbroken();
+        let _sign = spinner("writing", self.hidden());
         match writer.finish(&info) {
-            Ok(report) => Ok((folder, report, counts, ran)),
+            Ok(report) => Ok((folder, report, counts, ran, unbroken)),
             Err(e) => Err(kept(folder, e)),
         }
     }
@@ -136,26 +150,27 @@ impl Map {
         session: &Session,
         choice: Option<crate::kernels::Choice>,
         mut seconds: Vec<(String, f64)>,
-    ) -> Result<(Folder, Report, Counts, Ran)> {
+    ) -> Result<(Folder, Report, Counts, Ran, Unbroken)> {
         warn_of_jump(&self.log, session);
         let started = Instant::now();
-        let name = method::name(session.method.as_ref());
         let (mapped, ran) = match choice {
             None => {
-                let _sign = spinner(name, self.hidden());
+                let _sign = spinner("mapping", self.hidden());
                 (session.oracle_map()?, Ran { backend: "oracle", ..Ran::default() })
             }
             Some(choice) => {
                 let sweeps = session.method.sweeps().len() as u64;
-                let bar = bar(session.survey.counts.used * sweeps, name, self.hidden());
+                let bar = bar(session.survey.counts.used * sweeps, whole::MAPPING, self.hidden());
                 let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
                 let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|n| bar.inc(n))?;
                 (mapped, Ran::of(&chosen))
             }
         };
         seconds.push(("map".into(), started.elapsed().as_secs_f64()));
+        let unbroken = interrupt::unbroken();
+        let _sign = spinner("writing", self.hidden());
         let report = save(&folder, session, &mapped, &ran, seconds, self.npy)?;
-        Ok((folder, report, mapped.counts, ran))
+        Ok((folder, report, mapped.counts, ran, unbroken))
     }
 
     /// Before the long run: is there such a reading?

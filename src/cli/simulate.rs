@@ -1,10 +1,9 @@
 //! `echogrid simulate`: a log of a world.
 
-use super::common::{threads, use_threads};
-use super::say;
+use super::common::{bar, threads, use_threads};
+use super::{interrupt, say};
 use crate::world::{Rig, World, simulate};
 use crate::{Error, Result};
-use indicatif::ProgressBar;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -55,15 +54,11 @@ impl Simulate {
         use_threads(self.threads)?;
         let to_stdout = self.output == Path::new("-");
         let out = Target::open(&self.output)?;
-        let bar = if self.quiet {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new(self.scans.unwrap_or(world.stops.len() as u64))
-        };
+        let bar = bar(self.scans.unwrap_or(world.stops.len() as u64), "simulating", self.quiet);
         let started = Instant::now();
         let out = BufWriter::with_capacity(1 << 20, out);
         let (done, out) = simulate(&world, &rig, self.seed, self.scans, out, &|n| bar.set_position(n))?;
-        bar.finish_and_clear();
+        drop(bar);
         out.into_inner().map_err(|e| unwritable(&self.output, e))?.finish(&self.output)?;
         let seconds = started.elapsed().as_secs_f64();
         if !self.quiet && !to_stdout {
@@ -103,7 +98,9 @@ impl Target {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = path.file_name().unwrap_or_default();
         let file = tempfile::Builder::new().prefix(name).suffix(".partial").make_in(folder, |p| File::create_new(p));
-        Ok(Target::File(file.map_err(|e| unwritable(path, e))?))
+        let file = file.map_err(|e| unwritable(path, e))?;
+        interrupt::removes(file.path());
+        Ok(Target::File(file))
     }
 
     fn finish(self, path: &Path) -> Result<()> {

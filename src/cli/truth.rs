@@ -1,7 +1,7 @@
 //! `echogrid truth`: a world's true map, as a map's folder like any other.
 
 use super::common::{bounds, metres, number};
-use super::say;
+use super::{interrupt, say};
 use crate::grid::GridSpec;
 use crate::layers::of_classes;
 use crate::output::{self, Folder, LogInfo, RunInfo};
@@ -46,7 +46,9 @@ impl Command {
             None => GridSpec::around(wider(world.bounds(), r_max), self.resolution)?,
         };
         memory::check(grid.cells() as u64 * CELL, None, &grid, "give smaller --bounds or a coarser --resolution")?;
+        let made = interrupt::missing_above(&self.output);
         let folder = Folder::prepare(&self.output)?;
+        interrupt::output(folder.path(), made, false);
         let class = true_map(&world, &world.scans(), &grid, r_max);
         let info = RunInfo {
             parameters: output::parameters([("resolution", grid.resolution.to_string()), ("r_max", r_max.to_string())]),
@@ -56,8 +58,10 @@ impl Command {
         };
         let map = of_classes(grid, "world", class);
         let Some(combined) = map.layer("class").cloned() else { return Ok(0) };
+        let unbroken = interrupt::unbroken();
         let report = output::write_map(&folder, &map, &combined, &info, false)?;
         let place = folder.finish()?;
+        interrupt::finished(&place, unbroken);
         if !self.quiet {
             let c = &report.cells;
             say!(

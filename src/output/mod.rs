@@ -24,7 +24,7 @@ pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorR
 pub use ros::read_ros;
 pub use working::write_working;
 pub(crate) use working::{Outline as ConeOutline, own_is, weigher};
-pub use writer::{MapWriter, Outline, cut, head};
+pub use writer::{MapWriter, Outline, begun, cut, head};
 pub(crate) use zarr::{Pieces, Stored, StoredLayer};
 pub use zarr::{StoredMap, read_map};
 

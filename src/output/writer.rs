@@ -5,7 +5,7 @@ use super::raster::{Block, Raster};
 use super::report::{self, Tally};
 use super::{Report, RunInfo, figure, npy, png, ros, unwritable, zarr};
 use crate::grid::{Data, GridSpec, Layer, Map};
-use crate::whole::{EDGE, Place, part, places};
+use crate::whole::{EDGE, FOUND, Place, part, places};
 use crate::{Error, Result};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -214,6 +214,13 @@ impl MapWriter {
         self.levels.into_iter().flatten().chain(self.canvases).try_for_each(Raster::remove)?;
         Ok(report)
     }
+}
+
+/// Whether something lies in a partial folder with which `--resume` would go on: finished chunks, or what the rounds before
+/// them found.
+pub fn begun(partial: &Path) -> bool {
+    let finished = std::fs::metadata(partial.join(PROGRESS)).is_ok_and(|file| file.len() > 0);
+    partial.join(RUN).exists() && (finished || partial.join(FOUND).exists())
 }
 
 /// A chunk's part of a raster that is reduced by a factor.
