@@ -5,6 +5,7 @@ use super::{note, say};
 use crate::Result;
 use crate::memory::show;
 use crate::output::check;
+use clap::ValueHint;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -12,6 +13,7 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 pub struct Command {
     /// The map's folder
+    #[arg(value_hint = ValueHint::DirPath)]
     map: PathBuf,
     /// Print what was found as JSON
     #[arg(long)]

@@ -1,6 +1,7 @@
 //! Arguments that several commands share, and what they come to.
 
-use super::{interrupt, note};
+use super::offered::{Offered, methods, settings};
+use super::{interrupt, note, say};
 use crate::grid::GridSpec;
 use crate::kernels::Choice;
 use crate::log;
@@ -9,8 +10,9 @@ use crate::method::{self, REGISTRY};
 use crate::reading::Counts;
 use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, length};
 use crate::session::{Request, Session};
+use crate::wrapped::wrapped;
 use crate::{Error, Result};
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -53,9 +55,11 @@ impl BackendArgument {
 #[derive(Debug, Clone, Args)]
 pub struct LogArguments {
     /// The log: a file, a sonar_ring_8 folder, or - for standard input; its format is found by content
+    #[arg(value_hint = ValueHint::AnyPath)]
     pub log: PathBuf,
     /// The method
-    #[arg(short, long, default_value = "bayes", help = method_help())]
+    #[arg(short, long, default_value = "bayes", help = method_help(), value_parser = Offered(methods),
+        hide_possible_values = true)]
     pub method: String,
     /// Edge of a cell: metres, or with mm, cm, m
     #[arg(short, long, value_name = "LENGTH", default_value = "0.05", value_parser = metres, allow_hyphen_values = true)]
@@ -67,13 +71,14 @@ pub struct LogArguments {
     #[arg(long)]
     pub sensor: Option<KindArgument>,
     /// A TOML file that describes the sensors
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub sensor_file: Option<PathBuf>,
     /// A TOML file with the class labels' names and colours, for the semantic methods
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub classes: Option<PathBuf>,
     /// Set a parameter, as often as needed; lengths in metres or with mm, cm, m, angles in radians or with deg
-    #[arg(short, long = "set", value_name = "KEY=VALUE", long_help = set_help())]
+    #[arg(short, long = "set", value_name = "KEY=VALUE", long_help = set_help(), value_parser = Offered(settings),
+        hide_possible_values = true, value_hint = ValueHint::Other)]
     pub set: Vec<String>,
     /// Map only the first N used readings
     #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
@@ -256,6 +261,11 @@ impl LogArguments {
     pub fn session(&self) -> Result<Session> {
         Session::open(&self.log, &self.request()?)
     }
+}
+
+/// A line of a list, with what it is about, broken where a terminal ends.
+pub fn item(about: &str, text: &str) {
+    say!("{}", wrapped(&format!("{about:<10}{text}"), 10));
 }
 
 /// A count of something; its plural is made with an s.

@@ -13,6 +13,7 @@ use crate::sensor::Overrides;
 use crate::session::{Request, Session};
 use crate::world::{World, simulate};
 use crate::{Error, Result};
+use clap::ValueHint;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -36,7 +37,7 @@ bayes-2m trusts none from beyond 2 m (--set hit_range=2), and is the safer for i
 #[derive(Debug, clap::Args)]
 pub struct Demo {
     /// Folder for the world, the log, the maps and the scores
-    #[arg(short, long, value_name = "DIR", default_value = "echogrid-demo")]
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath, default_value = "echogrid-demo")]
     output: PathBuf,
     /// What computes
     #[arg(long, default_value = "auto")]

@@ -1,12 +1,12 @@
 //! `echogrid doctor`.
 
+use super::common::item;
 use super::say;
 use crate::kernels::gpu::adapter;
 use crate::kernels::gpu::vulkan::Drivers;
 use crate::kernels::{Backend, cpu::Cpu};
 use crate::memory::{available, show};
 use crate::method::{self, REGISTRY, settings::Settings};
-use crate::wrapped::wrapped;
 use crate::{Result, layout};
 
 /// Arguments of `doctor`.
@@ -38,13 +38,13 @@ impl Doctor {
             return Ok(0);
         }
         say!("echogrid {}", env!("CARGO_PKG_VERSION"));
-        line("cpu", &cpu);
+        item("cpu", &cpu);
         if let Some(free) = available() {
-            line("memory", &format!("{} free", show(free)));
+            item("memory", &format!("{} free", show(free)));
         }
         for a in &adapters {
-            line("adapter", &a.to_string());
-            line(
+            item("adapter", &a.to_string());
+            item(
                 "",
                 &format!(
                     "largest buffer {}, of which a kernel binds {} at once; workgroups: {} along an axis, {} of memory each",
@@ -56,13 +56,13 @@ impl Doctor {
             );
         }
         if adapters.is_empty() {
-            line("adapter", &format!("none: {}", drivers.why_none()));
+            item("adapter", &format!("none: {}", drivers.why_none()));
         } else if hardware.is_none() {
             let name = &adapters[0].name;
-            line("", &format!("no hardware adapter: --backend auto takes the CPU; --backend gpu takes {name}"));
+            item("", &format!("no hardware adapter: --backend auto takes the CPU; --backend gpu takes {name}"));
         }
         if !adapters.is_empty() {
-            drivers.broken().for_each(|manifest| line("broken", &manifest.to_string()));
+            drivers.broken().for_each(|manifest| item("broken", &manifest.to_string()));
         }
         say!("");
         say!("method                    bytes a cell  --backend auto");
@@ -72,9 +72,4 @@ impl Doctor {
         say!("himm with gro=true runs on the cpu only");
         Ok(0)
     }
-}
-
-/// A line of the list, with what it is about.
-fn line(about: &str, text: &str) {
-    say!("{}", wrapped(&format!("{about:<10}{text}"), 10));
 }

@@ -14,6 +14,7 @@ use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo};
 use crate::reading::Counts;
 use crate::session::{Mapped, Session};
 use crate::{Error, Result, layers, memory, method, whole};
+use clap::ValueHint;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -23,7 +24,7 @@ pub struct Map {
     #[command(flatten)]
     log: LogArguments,
     /// Folder of the map; an echogrid map there is replaced when the new one is complete
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     output: PathBuf,
     /// What computes
     #[arg(long, default_value = "auto")]

@@ -10,6 +10,8 @@ mod doctor;
 mod generate;
 mod interrupt;
 mod map;
+mod offered;
+mod parameters;
 mod plan;
 mod score;
 mod simulate;

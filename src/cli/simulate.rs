@@ -1,9 +1,11 @@
 //! `echogrid simulate`: a log of a world.
 
 use super::common::{bar, threads, use_threads};
+use super::offered::Offered;
 use super::{interrupt, say};
 use crate::world::{Rig, World, simulate};
 use crate::{Error, Result};
+use clap::ValueHint;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -14,15 +16,16 @@ use tempfile::NamedTempFile;
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
     /// The world: a TOML file, such as worlds/room.toml
+    #[arg(value_hint = ValueHint::FilePath)]
     world: PathBuf,
     /// The log to write (echogrid's JSON Lines), or - for standard output
-    #[arg(short, long, value_name = "LOG")]
+    #[arg(short, long, value_name = "LOG", value_hint = ValueHint::FilePath)]
     output: PathBuf,
     /// The same seed gives the same log, on any number of threads
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// What the robot carries: dense, ring8, ringN (1 to 360 sonars) or laser [default: the world's]
-    #[arg(long)]
+    #[arg(long, value_parser = Offered(rigs), hide_possible_values = true)]
     rig: Option<String>,
     /// Scans [default: one at each stop of the path; more go round again]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -75,6 +78,11 @@ impl Simulate {
         }
         Ok(0)
     }
+}
+
+/// The rigs that a shell offers.
+fn rigs() -> Vec<String> {
+    ["dense", "ring8", "ring24", "laser"].map(String::from).into()
 }
 
 /// Where a log goes. One on disk grows beside its place and is moved there when it is whole.

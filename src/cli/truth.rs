@@ -8,6 +8,7 @@ use crate::output::{self, Folder, LogInfo, RunInfo};
 use crate::score::{reach, wider};
 use crate::world::{World, true_map};
 use crate::{Result, memory};
+use clap::ValueHint;
 use std::path::PathBuf;
 
 /// Bytes a cell: two layers, their pictures, the surfaces' cells.
@@ -17,9 +18,10 @@ const CELL: u64 = 16;
 #[derive(Debug, clap::Args)]
 pub struct Command {
     /// The world: a TOML file, such as worlds/room.toml
+    #[arg(value_hint = ValueHint::FilePath)]
     world: PathBuf,
     /// Folder of the map; an echogrid map there is replaced when the new one is complete
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     output: PathBuf,
     /// Edge of a cell: metres, or with mm, cm, m
     #[arg(short, long, value_name = "LENGTH", default_value = "0.05", value_parser = metres, allow_hyphen_values = true)]

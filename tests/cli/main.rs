@@ -8,6 +8,7 @@ mod bad_usage;
 mod common;
 mod compare;
 mod help;
+mod interrupt;
 mod features;
 mod labels;
 mod map;
