@@ -2,8 +2,8 @@
 //
 // Membership is exact, so it is the same on every backend. Four cells of a row are classified at once.
 
-// Whether a reading of the batch is a laser's.
-override LASERS: bool = true;
+// Whether a reading of the batch has a narrow beam.
+override NARROW_BEAMS: bool = true;
 
 struct Row {
     // Freed by the reading.
@@ -26,16 +26,16 @@ fn dot_4(a: vec2<i32>, x: vec4<i32>, y: i32) -> vec4<i32> {
     return a.x * x + a.y * y;
 }
 
-// Between a cone's edges, or in a laser's band.
+// Between a cone's edges, or in a narrow beam's band.
 fn between_edges(cone: Cone, x: vec4<i32>, y: i32, across: vec4<i32>, along: vec4<i32>) -> vec4<bool> {
     let left_limit = -i32((cone.flags & HALF_OPEN) != 0u);
     let zero = vec4<i32>(0);
     let wedge = (cross_4(cone.left, x, y) <= vec4<i32>(left_limit)) & (cross_4(cone.right, x, y) >= zero) & (along >= zero);
-    if !LASERS {
+    if !NARROW_BEAMS {
         return wedge;
     }
-    let laser = vec4<bool>((cone.flags & LASER) != 0u);
-    let band = laser
+    let narrow = vec4<bool>((cone.flags & NARROW_BEAM) != 0u);
+    let band = narrow
         & (abs(across) <= vec4<i32>(CELL / 2 * DIRECTION))
         & (along >= zero)
         & (along <= vec4<i32>(cone.reach.y * DIRECTION));

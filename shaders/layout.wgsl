@@ -9,7 +9,7 @@ const BLOCKS: u32 = 16u;
 const SEGMENT: u32 = 4096u;
 
 const NO_ECHO: u32 = 1u;
-const LASER: u32 = 2u;
+const NARROW_BEAM: u32 = 2u;
 const HALF_OPEN: u32 = 4u;
 const WIDE: u32 = 8u;
 const BROAD: u32 = 16u;

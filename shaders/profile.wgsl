@@ -6,7 +6,7 @@
 struct Polar {
     // Metres.
     distance: vec4<f32>,
-    // Off-axis angle over β; 0 for a laser.
+    // Off-axis angle over β; 0 for a narrow beam.
     turn: vec4<f32>,
 }
 

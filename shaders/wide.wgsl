@@ -4,7 +4,7 @@
 // narrow_row in 64 bits.
 fn wide_row(cone: Cone, first: vec2<i32>) -> Row {
     let left_limit = wide_from(-i32((cone.flags & HALF_OPEN) != 0u));
-    let laser = (cone.flags & LASER) != 0u;
+    let narrow = (cone.flags & NARROW_BEAM) != 0u;
     let inner = wide_mul(cone.reach.x, cone.reach.x);
     let outer = wide_mul(cone.reach.y, cone.reach.y);
     let half = wide_from(CELL / 2 * DIRECTION);
@@ -17,7 +17,7 @@ fn wide_row(cone: Cone, first: vec2<i32>) -> Row {
         let along = wide_dot(cone.axis, v);
         let ahead = !wide_negative(along);
         let wedge = !wide_less(left_limit, wide_cross(cone.left, v)) && !wide_negative(wide_cross(cone.right, v)) && ahead;
-        let band = laser && !wide_less(half, across) && ahead && !wide_less(far, along);
+        let band = narrow && !wide_less(half, across) && ahead && !wide_less(far, along);
         let inside = wedge || band;
         row.interior[k] = inside && wide_less(d2, inner);
         row.arc[k] = inside && !wide_less(d2, inner) && !wide_less(outer, d2);

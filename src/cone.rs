@@ -117,7 +117,7 @@ impl<S: Simd> Sight<S> {
             & (rows(&self.right) + most(-cone.right[1])).simd_ge(0)
             & (rows(&self.along) + most(cone.axis[0])).simd_ge(0)
             & (rows(&self.d2) + near * near).simd_le(self.outer);
-        if !axis_only && cone.flags & LASER == 0 {
+        if !axis_only && cone.flags & NARROW_BEAM == 0 {
             return wedge.to_bitmask() as u32;
         }
         let across = rows(&self.across);
@@ -131,7 +131,7 @@ impl<S: Simd> Sight<S> {
         let (d2, across, along) = (self.d2.row(y), self.across.row(y), self.along.row(y));
         let ahead = along.simd_ge(0);
         let mut inside = self.left.row(y).simd_le(self.left_limit) & self.right.row(y).simd_ge(0) & ahead;
-        if cone.flags & LASER != 0 {
+        if cone.flags & NARROW_BEAM != 0 {
             let band = across.abs().simd_le(CELL / 2 * DIRECTION) & along.simd_le(cone.reach[1] * DIRECTION);
             inside |= band & ahead;
         }

@@ -24,8 +24,8 @@ pub const SEGMENT: usize = 4096;
 
 /// Cone flag: no echo came; the arc does not count.
 pub const NO_ECHO: u32 = 1;
-/// Cone flag: a laser, widened to half a cell on each side of its axis.
-pub const LASER: u32 = 2;
+/// Cone flag: a narrow beam, widened to half a cell on each side of its axis.
+pub const NARROW_BEAM: u32 = 2;
 /// Cone flag: β is more than 22.5°.
 pub const BROAD: u32 = 16;
 /// Cone flag: the left edge belongs to the neighbour.
@@ -105,7 +105,7 @@ pub struct Cone {
     pub left: [i32; 2],
     /// Direction of the right edge, heading − β.
     pub right: [i32; 2],
-    /// [`NO_ECHO`], [`LASER`], [`HALF_OPEN`], [`WIDE`], [`BROAD`].
+    /// [`NO_ECHO`], [`NARROW_BEAM`], [`HALF_OPEN`], [`WIDE`], [`BROAD`].
     pub flags: u32,
     /// Where the reading stands in its batch.
     pub index: u32,

@@ -37,7 +37,7 @@ pub fn to_one<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
     numbers.bitcast::<u32x16<S>>() ^ ONE_BITS
 }
 
-/// Distance of each cell, metres, and its off-axis angle over β (0 for a laser).
+/// Distance of each cell, metres, and its off-axis angle over β (0 for a narrow beam).
 #[inline(always)]
 pub fn polar<S: Simd>(frame: &Frame, cone: &Cone, row: &Row<S>) -> (f32x16<S>, f32x16<S>) {
     let d = row.d2.sqrt();

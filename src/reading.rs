@@ -2,7 +2,7 @@
 //!
 //! World frame: metres, x right, y up, angles in radians counter-clockwise from +x.
 
-use crate::sensor::Sensor;
+use crate::sensor::{AtMax, Sensor};
 use serde::Serialize;
 
 /// A position and a heading in the world frame: metres, radians.
@@ -89,7 +89,7 @@ pub fn judge(record: Record, sensor: &Sensor) -> Result<Reading, Unused> {
         Err(Unused::Negative)
     } else if z < sensor.r_min {
         Err(Unused::BelowRMin)
-    } else if z > sensor.r_max {
+    } else if z > sensor.r_max || (z == sensor.r_max && sensor.at_r_max == AtMax::NoEcho) {
         if sensor.no_echo_range > 0.0 {
             Ok(Reading { record, outcome: Outcome::NoEcho, range: sensor.no_echo_range })
         } else {

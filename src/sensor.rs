@@ -28,6 +28,39 @@ pub enum Kind {
     Laser,
 }
 
+/// What a range of just `r_max` is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AtMax {
+    /// No echo: a sensor that hears nothing reports its maximum (default).
+    #[default]
+    NoEcho,
+    /// An echo: silence has a mark of its own.
+    Hit,
+}
+
+impl AtMax {
+    /// From its name, `hit` or `no_echo`.
+    pub(crate) fn parse(name: &str) -> Result<AtMax, String> {
+        match name {
+            "hit" => Ok(AtMax::Hit),
+            "no_echo" => Ok(AtMax::NoEcho),
+            _ => Err("takes \"hit\" or \"no_echo\"".into()),
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            AtMax::Hit => "hit",
+            AtMax::NoEcho => "no_echo",
+        }
+    }
+}
+
+/// Half a beam's width up to which a sensor is narrow, radians: 3°, and a hair for rounding.
+const NARROW: f64 = 3.0 * std::f64::consts::PI / 180.0 + 1e-12;
+
 /// One sensor, complete.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
@@ -47,6 +80,8 @@ pub struct Sensor {
     pub r_min: f64,
     /// Ranges above this are no echo, metres; also Bayes' R.
     pub r_max: f64,
+    /// What a range of just `r_max` is.
+    pub at_r_max: AtMax,
     /// Echoes from beyond this (≤ `r_max`) are rejected, metres.
     pub hit_range: f64,
     /// How far a missing echo frees the cone, metres; 0: not at all.
@@ -56,6 +91,12 @@ pub struct Sensor {
 }
 
 impl Sensor {
+    /// Whether its beam is narrow: a laser's, or one of β ≤ 3°. Such a beam reaches the cells within half a cell of its axis too,
+    /// so that it leaves no holes, and its off-axis angle counts as 0.
+    pub fn narrow(&self) -> bool {
+        self.kind == Kind::Laser || self.half_width <= NARROW
+    }
+
     /// ε in metres for cells of `resolution` metres: the sensor's own, else one cell for a laser and the larger of
     /// one cell and 0.05 m for a sonar.
     pub fn epsilon(&self, resolution: f64) -> f64 {

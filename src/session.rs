@@ -141,6 +141,13 @@ impl Session {
         &self.sensors
     }
 
+    /// What a user should know of how the log was read, in whole sentences.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = self.log.notes();
+        notes.extend(self.survey.notes.iter().cloned());
+        notes
+    }
+
     /// What mapping takes at most, bytes, `batch` readings at a time.
     pub fn memory(&self, batch: usize) -> u64 {
         let batch = batch.min(usize::try_from(self.survey.counts.used).unwrap_or(usize::MAX));

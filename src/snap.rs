@@ -5,14 +5,14 @@
 
 use crate::cone::{Wide, on_axis_wide};
 use crate::grid::GridSpec;
-use crate::layout::{BROAD, CELL, Cone, DIRECTION, HALF_OPEN, LASER, NO_ECHO, WIDE};
+use crate::layout::{BROAD, CELL, Cone, DIRECTION, HALF_OPEN, NARROW_BEAM, NO_ECHO, WIDE};
 use crate::reading::{Outcome, Reading};
-use crate::sensor::{Kind, Sensor};
+use crate::sensor::Sensor;
 
 /// Which cells a reading concerns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Footprint {
-    /// The cone (for a laser at least a cell wide): interior and arc.
+    /// The cone (a narrow one at least a cell wide): interior and arc.
     Cone,
     /// The cone between given edges, half open, its arc 1½ cells deep: a cell belongs to one beam of a scan.
     Wedge,
@@ -96,10 +96,10 @@ pub fn snap(
     }
     let beta = sensor.half_width;
     let (left, right) = edges.unwrap_or((pose.heading + beta, pose.heading - beta));
-    let laser = sensor.kind == Kind::Laser;
+    let narrow = sensor.narrow();
     let flag = |on: bool, bit: u32| if on { bit } else { 0 };
     let axis = direction(pose.heading);
-    let turn = if laser || beta == 0.0 { 0.0 } else { 1.0 / beta };
+    let turn = if narrow || beta == 0.0 { 0.0 } else { 1.0 / beta };
     let cone = Cone {
         sensor: [x as i32, y as i32],
         reach: reach.map(|r| r as i32),
@@ -107,7 +107,7 @@ pub fn snap(
         left: direction(left),
         right: direction(right),
         flags: flag(no_echo, NO_ECHO)
-            | flag(laser && footprint == Footprint::Cone, LASER)
+            | flag(narrow && footprint == Footprint::Cone, NARROW_BEAM)
             | flag(footprint == Footprint::Wedge, HALF_OPEN)
             | flag(range + depth > NARROW, WIDE)
             | flag(turn > 0.0 && beta > BROADEST, BROAD),

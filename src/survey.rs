@@ -30,6 +30,8 @@ pub struct Survey {
     pub bad_lines: BadLines,
     /// Lines of other kinds.
     pub ignored: u64,
+    /// What of the ranges should make a user doubt the sensors' limits, in whole sentences.
+    pub notes: Vec<String>,
     /// The robot's largest step between two readings: metres, the second's line and pose.
     pub jump: (f64, u64, Pose),
 }
@@ -47,6 +49,7 @@ pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64) -> Res
         covered: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
         bad_lines: BadLines::default(),
         ignored: 0,
+        notes: Vec::new(),
         jump: (0.0, 0, Pose::default()),
     };
     let mut records = log.records()?;

@@ -46,7 +46,7 @@ pub fn edges(scan: &[Record], sensors: &[Sensor]) -> Vec<Edges> {
 mod tests {
     use super::*;
     use crate::reading::Pose;
-    use crate::sensor::Kind;
+    use crate::sensor::{AtMax, Kind};
 
     fn fan(bearings: &[f64]) -> (Vec<Record>, Vec<Sensor>) {
         let sensor = Sensor {
@@ -58,6 +58,7 @@ mod tests {
             half_width: 0.05,
             r_min: 0.05,
             r_max: 20.0,
+            at_r_max: AtMax::NoEcho,
             hit_range: 20.0,
             no_echo_range: 0.0,
             epsilon: None,

@@ -3,7 +3,7 @@
 use crate::feature::{Case, Fan, Origin, Part, Routine, Update};
 use crate::grid::GridSpec;
 use crate::reading::{Outcome, Pose, Reading, Record};
-use crate::sensor::{Kind, Sensor};
+use crate::sensor::{AtMax, Kind, Sensor};
 use crate::world::plane::Point;
 use crate::world::random::Random;
 
@@ -35,6 +35,7 @@ pub fn cones(count: usize, width: f64, range: f64, resolution: f64, cells: usize
         half_width: width / 2.0,
         r_min: 0.17,
         r_max: 1.25 * range,
+        at_r_max: AtMax::Hit,
         hit_range: 1.25 * range,
         no_echo_range: 0.0,
         epsilon: None,
@@ -110,6 +111,7 @@ pub fn scans(count: usize, resolution: f64, cells: usize, seed: u64) -> Workload
         half_width: step / 2.0,
         r_min: 0.05,
         r_max: 80.0,
+        at_r_max: AtMax::NoEcho,
         hit_range: 80.0,
         no_echo_range: 0.0,
         epsilon: None,

@@ -7,7 +7,7 @@ use echogrid::grid::{Data, GridSpec, Layer, Map, Scale};
 use echogrid::method::settings::Settings;
 use echogrid::output::write_working;
 use echogrid::reading::{Outcome, Pose, Reading, Record};
-use echogrid::sensor::{Kind, Sensor};
+use echogrid::sensor::{AtMax, Kind, Sensor};
 use serde_json::Value;
 
 /// The colours behind the cone, and outside the grid.
@@ -19,7 +19,8 @@ fn sensor(kind: Kind, r_min: f64, epsilon: f64) -> Sensor {
     let half_width = if kind == Kind::Laser { 0.0 } else { 15f64.to_radians() };
     let (id, epsilon) = ("s".into(), Some(epsilon));
     let (r_max, hit_range, no_echo_range) = (10.0, 10.0, 1.5);
-    Sensor { id, kind, x: 0.0, y: 0.0, axis: 0.0, half_width, r_min, r_max, hit_range, no_echo_range, epsilon }
+    let at_r_max = AtMax::Hit;
+    Sensor { id, kind, x: 0.0, y: 0.0, axis: 0.0, half_width, r_min, r_max, at_r_max, hit_range, no_echo_range, epsilon }
 }
 
 fn reading(sensor: u32, x: f64, y: f64, degrees: f64, range: f64) -> Reading {

@@ -43,8 +43,8 @@ fn meets(cone: Cone, corner: vec2<u32>) -> u32 {
     let wedge = left.x <= 0 && right.y >= 0 && along.y >= 0;
     let near2 = square(max(low, vec2<i32>(0)) + min(high, vec2<i32>(0)));
     let far2 = square(max(abs(low), abs(high)));
-    let laser = (cone.flags & LASER) != 0u;
-    if near2 > u32(cone.reach.y * cone.reach.y) || !(wedge || (laser && band)) {
+    let narrow = (cone.flags & NARROW_BEAM) != 0u;
+    if near2 > u32(cone.reach.y * cone.reach.y) || !(wedge || (narrow && band)) {
         return 0u;
     }
     let arc = far2 >= u32(cone.reach.x * cone.reach.x);

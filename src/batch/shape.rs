@@ -6,7 +6,7 @@ use crate::snap::{Footprint, SLACK};
 /// A cone's outline relative to its sensor, in 64-bit units.
 pub(super) struct Shape {
     pub(super) footprint: Footprint,
-    pub(super) laser: bool,
+    pub(super) narrow: bool,
     pub(super) low: [i64; 2],
     pub(super) high: [i64; 2],
     pub(super) inner2: i64,
@@ -35,12 +35,12 @@ impl Shape {
                 high[k] = high[k].max(v);
             }
         }
-        let laser = cone.flags & LASER != 0;
+        let narrow = cone.flags & NARROW_BEAM != 0;
         // A direction is rounded by up to 1/8192, so a far tip by more than a unit.
-        let slack = 2 + outer / 4096 + if laser || footprint == Footprint::Axis { SLACK } else { 0 };
+        let slack = 2 + outer / 4096 + if narrow || footprint == Footprint::Axis { SLACK } else { 0 };
         Shape {
             footprint,
-            laser,
+            narrow,
             low: low.map(|v| v - slack),
             high: high.map(|v| v + slack),
             inner2: inner * inner,
@@ -87,7 +87,7 @@ impl Shape {
             Footprint::Cone | Footprint::Wedge => {
                 let (left, right) = (sum(column.left, row.left), sum(column.right, row.right));
                 let in_wedge = left[0] <= 0 && right[1] >= 0 && along[1] >= 0;
-                if near2 > self.outer2 || !(in_wedge || self.laser && in_band(half * direction, 0)) {
+                if near2 > self.outer2 || !(in_wedge || self.narrow && in_band(half * direction, 0)) {
                     return None;
                 }
                 let inside = left[1] < 0 && right[0] >= 0 && along[0] >= 0 && far2 < self.inner2;

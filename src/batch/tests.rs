@@ -3,7 +3,7 @@
 use super::*;
 use crate::grid::GridSpec;
 use crate::reading::{Outcome, Pose, Reading, Record};
-use crate::sensor::{Kind, Sensor};
+use crate::sensor::{AtMax, Kind, Sensor};
 use crate::snap::{region, snap};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -36,6 +36,7 @@ fn cone(size: [usize; 2], footprint: Footprint, draw: &Draw) -> Option<Cone> {
         half_width: beta.to_radians(),
         r_min: 0.1,
         r_max: 1e4,
+        at_r_max: AtMax::Hit,
         hit_range: 1e4,
         no_echo_range: 1.0,
         epsilon: Some(epsilon * RESOLUTION),

@@ -330,6 +330,14 @@ pub fn readings(c: &Counts, session: &Session) -> String {
     text
 }
 
+/// Says how the log was read, where a user should know.
+pub fn tell_notes(session: &Session) {
+    let path = session.log.path().display();
+    for text in session.notes() {
+        note!("{path}: {text}");
+    }
+}
+
 /// Warns of bad lines, once, with the first few.
 pub fn warn_of_bad_lines(session: &Session) {
     note_bad_lines(session, "mend them, or give --strict to write nothing then; the exit code is 6");

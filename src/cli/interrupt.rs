@@ -5,7 +5,7 @@
 //! renaming that makes a finished map the user's, is done under [`unbroken`]: the first signal waits for it.
 
 use super::note;
-use crate::output::begun;
+use crate::output::{begun, discard};
 use indicatif::ProgressBar;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -126,7 +126,7 @@ fn end(signal: i32) {
     if let Some(output) = now.output.take() {
         let stays = output.writing || begun(&output.partial);
         if !stays {
-            let _ = std::fs::remove_dir_all(&output.partial);
+            discard(&output.partial);
             // What holds anything else stays: only empty folders can be removed so.
             output.made.iter().take_while(|folder| std::fs::remove_dir(folder).is_ok()).count();
         }

@@ -1,7 +1,7 @@
 //! `echogrid map`.
 
 use super::common::{
-    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, warn_of_bad_lines, warn_of_empty_map,
+    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, tell_notes, warn_of_bad_lines, warn_of_empty_map,
     warn_of_jump,
 };
 use super::interrupt::{self, Unbroken};
@@ -10,7 +10,7 @@ use crate::feature::{self, Times};
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
 use crate::method::Unit;
-use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo};
+use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo, Unfinished};
 use crate::reading::Counts;
 use crate::session::{Mapped, Session};
 use crate::{Error, Result, layers, memory, method, whole};
@@ -35,6 +35,9 @@ pub struct Map {
     /// Go on with the unfinished map that a killed run left beside the folder
     #[arg(long)]
     resume: bool,
+    /// Discard the unfinished map that a killed run left beside the folder, and begin anew
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
     /// Also write a picture and JSON of used reading N alone
     #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
     working: Option<u64>,
@@ -53,8 +56,13 @@ impl Map {
     /// Maps the log.
     pub fn run(self) -> Result<u8> {
         let request = self.log.request()?;
+        let unfinished = match (self.resume, self.overwrite) {
+            (true, _) => Unfinished::Resume,
+            (false, true) => Unfinished::Discard,
+            (false, false) => Unfinished::Refuse,
+        };
         let made = interrupt::missing_above(&self.output);
-        let folder = Folder::open(&self.output, self.resume)?;
+        let folder = Folder::open(&self.output, unfinished)?;
         interrupt::output(folder.path(), made, true);
         let started = Instant::now();
         let sign = spinner("reading", self.hidden());
@@ -62,6 +70,7 @@ impl Map {
         drop(sign);
         let surveyed = started.elapsed().as_secs_f64();
         warn_of_bad_lines(&session);
+        tell_notes(&session);
         self.check_working(&session)?;
         let whole = session.method.rounds().is_some() && self.backend.choice().is_some();
         if !whole || self.working.is_some() {
@@ -210,7 +219,7 @@ scans (a sonar that turns, with a reading every 2.5° or less), or sonars that p
 fn kept(folder: Folder, error: Error) -> Error {
     let place = folder.path().display().to_string();
     folder.keep();
-    error.and(&format!("the finished part stays in {place}: --resume goes on from there"))
+    error.and(&format!("the finished part stays in {place}: --resume goes on from there, --overwrite begins anew"))
 }
 
 /// What a map was made on.
@@ -253,7 +262,11 @@ pub fn save(
 fn run_info(session: &Session, ran: &Ran, counts: Counts, seconds: Vec<(String, f64)>) -> Result<RunInfo> {
     Ok(RunInfo {
         parameters: output::parameters(session.parameters()),
-        log: LogInfo { path: session.log.path().display().to_string(), sha256: session.log.sha256()? },
+        log: LogInfo {
+            path: session.log.path().display().to_string(),
+            sha256: session.log.sha256()?,
+            notes: session.notes(),
+        },
         sensors: session.sensors().to_vec(),
         readings: counts,
         seconds,

@@ -54,7 +54,7 @@ impl Command {
         let class = true_map(&world, &world.scans(), &grid, r_max);
         let info = RunInfo {
             parameters: output::parameters([("resolution", grid.resolution.to_string()), ("r_max", r_max.to_string())]),
-            log: LogInfo { path: self.world.display().to_string(), sha256: world.sha256.clone() },
+            log: LogInfo { path: self.world.display().to_string(), sha256: world.sha256.clone(), notes: Vec::new() },
             backend: "cpu".into(),
             ..RunInfo::default()
         };

@@ -68,7 +68,7 @@ impl Wide {
         let (across, along) = (cross(axis, v), axis[0] * v[0] + axis[1] * v[1]);
         let left_limit = -i64::from(cone.flags & HALF_OPEN != 0);
         let wedge = cross(wide(cone.left), v) <= left_limit && cross(wide(cone.right), v) >= 0 && along >= 0;
-        let band = cone.flags & LASER != 0
+        let band = cone.flags & NARROW_BEAM != 0
             && across.abs() <= i64::from(CELL / 2 * DIRECTION)
             && along >= 0
             && along <= reach[1] * i64::from(DIRECTION);

@@ -62,6 +62,11 @@ pub(crate) trait Source: Send + Sync {
     fn classes(&self) -> &[String] {
         &[]
     }
+    /// What a user should know of how the log is read, in whole sentences: what was taken for a missing return, which messages are
+    /// left out, which layout of beams was assumed.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
     /// The files it reads, in a fixed order: the checksum runs over them.
     fn inputs(&self) -> Vec<&Input>;
     /// A pass over the log from its start. Lines of other kinds are counted in `ignored`.

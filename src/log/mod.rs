@@ -153,6 +153,11 @@ impl Log {
         }
     }
 
+    /// What a user should know of how it is read, in whole sentences; complete after the first pass over it.
+    pub fn notes(&self) -> Vec<String> {
+        self.source.notes()
+    }
+
     /// A pass over its records, from the start; as many as are wanted, also at the same time.
     ///
     /// # Errors

@@ -6,7 +6,7 @@
 use super::{CellUpdate, Region};
 use crate::grid::GridSpec;
 use crate::reading::{Outcome, Reading};
-use crate::sensor::{Kind, Sensor};
+use crate::sensor::Sensor;
 use crate::{Error, Result};
 
 /// Units in a cell.
@@ -37,9 +37,9 @@ fn dot(a: Vector, b: Vector) -> i64 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rule {
     /// Centre inside the cone.
-    Sonar,
+    Cone,
     /// Centre inside the cone, or within half a cell of the axis.
-    Laser,
+    Narrow,
     /// The cells on the axis, one a step (HIMM).
     Axis,
     /// The half-open wedge between two bearings, right and left (laser truth).
@@ -73,8 +73,8 @@ pub(super) struct Cone {
     pub hit: bool,
     /// Reaches beyond 1024 cells.
     pub wide: bool,
-    /// A laser's θ is 0.
-    pub laser: bool,
+    /// A narrow beam's θ is 0.
+    pub narrow: bool,
     /// Metres in a unit.
     pub unit: f64,
     /// R in metres, snapped.
@@ -137,7 +137,7 @@ impl Cone {
             outer: range + band,
             hit,
             wide: range + band > WIDE,
-            laser: sensor.kind == Kind::Laser,
+            narrow: sensor.narrow(),
             unit,
             range: range as f64 * unit,
             epsilon: depth as f64 * unit,
@@ -162,7 +162,7 @@ impl Cone {
             Rule::Wedge => right >= 0 && left < 0,
             _ => left <= 0 && 0 <= right,
         };
-        let near_axis = self.rule == Rule::Laser
+        let near_axis = self.rule == Rule::Narrow
             && cross(self.axis, v).abs() <= 16 * LENGTH as i64
             && along <= self.outer * LENGTH as i64;
         let d2 = dot(v, v);
@@ -207,10 +207,10 @@ impl Cone {
         let axis = self.rule == Rule::Axis;
         let reach = if axis { self.reach + 2 * UNITS } else { self.outer };
         let (left, right) = if axis { (self.axis, self.axis) } else { (self.left, self.right) };
-        // A laser's strip: its cross products with the edges exceed 0 by half a cell and the directions' snapping.
+        // A narrow beam's strip: its cross products with the edges exceed 0 by half a cell and the directions' snapping.
         let slack = match self.rule {
-            Rule::Sonar | Rule::Wedge => 0.0,
-            Rule::Laser => 16.0 * LENGTH + 4.0 * reach as f64,
+            Rule::Cone | Rule::Wedge => 0.0,
+            Rule::Narrow => 16.0 * LENGTH + 4.0 * reach as f64,
             Rule::Axis => 16.0 * LENGTH,
         };
         let first = (UNITS * grid.i0 + UNITS / 2 - self.origin.0, UNITS * grid.j0 + UNITS / 2 - self.origin.1);
@@ -248,7 +248,7 @@ impl Cone {
     /// Distance in metres and off-axis angle in radians of a cell, for the profiles.
     pub fn polar(&self, v: Vector) -> (f64, f64) {
         let d = (dot(v, v) as f64).sqrt() * self.unit;
-        if self.laser {
+        if self.narrow {
             return (d, 0.0);
         }
         (d, (cross(self.axis, v).abs() as f64).atan2(dot(self.axis, v) as f64))

@@ -152,7 +152,7 @@ fn see(grid: &GridSpec, sensors: &[Sensor], update: &Update) -> Result<Seen> {
     all.extend(update.parts.iter().flat_map(|p| &p.occupied).flatten().map(|v| snap(grid, *v)));
     let mut cone = None;
     if update.routine.is_some() {
-        let rule = if sensor.kind == Kind::Laser { Rule::Laser } else { Rule::Sonar };
+        let rule = if sensor.narrow() { Rule::Narrow } else { Rule::Cone };
         let made = Cone::new(grid, sensor, reading, rule, None)?;
         let outer = i128::from(made.outer()) + 1;
         all.extend([[at[0] - outer, at[1] - outer], [at[0] + outer, at[1] + outer]]);

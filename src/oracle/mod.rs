@@ -54,7 +54,7 @@ pub struct CellUpdate {
     pub region: Region,
     /// Distance of the cell's centre from the sensor, metres.
     pub d: f64,
-    /// Angle of the cell's centre off the beam's axis, radians; 0 for a laser.
+    /// Angle of the cell's centre off the beam's axis, radians; 0 for a narrow beam.
     pub theta: f64,
 }
 
@@ -246,8 +246,8 @@ fn rule(sensor: &Sensor, settings: &Settings, wedge: Option<(f64, f64)>) -> Resu
             Err(Error::Usage("the laser truth needs each reading's wedge: left and right bearing".into()))
         }
         Settings::Truth => Ok(Rule::Wedge),
-        _ if sensor.kind == Kind::Laser => Ok(Rule::Laser),
-        _ => Ok(Rule::Sonar),
+        _ if sensor.narrow() => Ok(Rule::Narrow),
+        _ => Ok(Rule::Cone),
     }
 }
 

@@ -6,7 +6,7 @@ use super::{Region, bayes, certainty, dempster_shafer, map, working};
 use crate::grid::GridSpec;
 use crate::method::settings::{Bayes, DempsterShafer, Himm, Settings};
 use crate::reading::{Outcome, Pose, Reading, Record};
-use crate::sensor::{Kind, Sensor};
+use crate::sensor::{AtMax, Kind, Sensor};
 
 /// A sonar at the robot's centre with nothing special about it.
 pub(super) fn sonar(half_width_deg: f64) -> Sensor {
@@ -19,6 +19,7 @@ pub(super) fn sonar(half_width_deg: f64) -> Sensor {
         half_width: half_width_deg.to_radians(),
         r_min: 0.3,
         r_max: 10.0,
+        at_r_max: AtMax::Hit,
         hit_range: 10.0,
         no_echo_range: 1.5,
         epsilon: None,
@@ -113,7 +114,7 @@ fn dempster_shafer_combinations() {
 #[test]
 fn bayes_expressions_and_recursion() {
     let grid = GridSpec::from_bounds([0.0, 0.0, 1.0, 1.0], 0.1).unwrap();
-    let cone = |z| Cone::new(&grid, &sonar(15.0), &reading(0.0, 0.0, 0.0, z, Outcome::Hit), Rule::Sonar, None).unwrap();
+    let cone = |z| Cone::new(&grid, &sonar(15.0), &reading(0.0, 0.0, 0.0, z, Outcome::Hit), Rule::Cone, None).unwrap();
     let settings = Bayes::default();
     let p =
         |z, region, d, degrees: f64| bayes::likelihood(&settings, &cone(z), region, (d, degrees.to_radians())).value;
@@ -134,7 +135,7 @@ fn bayes_expressions_and_recursion() {
 fn murphy_masses_follow_the_expressions() {
     let grid = GridSpec::from_bounds([0.0, 0.0, 1.0, 1.0], 0.1).unwrap();
     let hit = reading(0.0, 0.0, 0.0, 6.0, Outcome::Hit);
-    let cone = Cone::new(&grid, &sonar(15.0), &hit, Rule::Sonar, None).unwrap();
+    let cone = Cone::new(&grid, &sonar(15.0), &hit, Rule::Cone, None).unwrap();
     let mut settings = DempsterShafer::default();
     settings.model = crate::method::settings::MassModel::Murphy;
     let mass =

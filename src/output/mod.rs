@@ -2,9 +2,11 @@
 //! writes into the folder it is given, and [`Folder`] alone decides when that folder becomes the user's.
 
 mod check;
+mod contents;
 mod features;
 mod figure;
 mod folder;
+pub(crate) mod names;
 mod npy;
 pub(crate) mod png;
 mod raster;
@@ -17,7 +19,7 @@ mod zarr;
 
 pub use check::{Checked, check};
 pub use features::write_features;
-pub use folder::Folder;
+pub use folder::{Folder, Unfinished};
 pub(crate) use folder::seems_map;
 pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
@@ -58,6 +60,11 @@ pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, n
         updates = 0;
     }
     writer.finish(info)
+}
+
+/// Removes what a run has left in its partial folder; what isn't echogrid's stays, and so does the folder then.
+pub(crate) fn discard(partial: &Path) {
+    let _ = contents::Contents::of(partial, true).and_then(contents::Contents::remove);
 }
 
 /// What every writer relies on: layers of the grid's size, names that are file names, the two layers of every map.

@@ -6,7 +6,7 @@ use crate::Result;
 use crate::feature::Summary;
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
 use crate::reading::Counts;
-use crate::sensor::{Kind, Sensor};
+use crate::sensor::{AtMax, Kind, Sensor};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Value, json};
@@ -46,6 +46,8 @@ pub struct LogInfo {
     pub path: String,
     /// The SHA-256 of its bytes, in hexadecimal.
     pub sha256: String,
+    /// How it was read, where a user should know: codes taken for a missing return, messages left out, doubts.
+    pub notes: Vec<String>,
 }
 
 /// Lines of the log that couldn't be read.
@@ -76,6 +78,8 @@ pub struct SensorReport {
     pub r_min: f64,
     /// Ranges above this are no echo.
     pub r_max: f64,
+    /// What a range of just `r_max` is.
+    pub at_r_max: AtMax,
     /// Echoes from beyond this are rejected.
     pub hit_range: f64,
     /// How far a missing echo frees the cone.
@@ -163,6 +167,8 @@ pub struct Report {
     pub backend: String,
     /// The adapter's name, where the backend has one.
     pub adapter: Option<String>,
+    /// The map's files, but for its store and its `working-N` files: when the folder is replaced, no other may be in it.
+    pub files: Vec<String>,
     /// Version of echogrid.
     pub version: String,
 }
@@ -273,6 +279,7 @@ impl Report {
             peak_memory: peak_memory(),
             backend: info.backend.clone(),
             adapter: info.adapter.clone(),
+            files: Vec::new(),
             version: env!("CARGO_PKG_VERSION").into(),
         }
     }
@@ -289,6 +296,7 @@ impl SensorReport {
             half_width: tidy(sensor.half_width),
             r_min: tidy(sensor.r_min),
             r_max: tidy(sensor.r_max),
+            at_r_max: sensor.at_r_max,
             hit_range: tidy(sensor.hit_range),
             no_echo_range: tidy(sensor.no_echo_range),
             epsilon: tidy(sensor.epsilon(resolution)),

@@ -4,6 +4,7 @@
 //! unknown. 205 gives 0.19608, just above 0.196: unknown. Row 0 of the picture is the top; the origin is the lower left
 //! corner of the lower left pixel.
 
+use super::names::{PGM, YAML};
 use super::raster::Raster;
 use super::report::tidy;
 use super::unwritable;
@@ -17,10 +18,10 @@ const FREE: u8 = 254;
 
 /// Opens `map.pgm` for a grid's classes, and writes `map.yaml`.
 pub(super) fn open(folder: &Path, grid: &GridSpec, resume: bool) -> Result<Raster> {
-    let about = folder.join("map.yaml");
+    let about = YAML.at(folder);
     std::fs::write(&about, yaml(grid)).map_err(|e| unwritable(&about, e))?;
     let header = format!("P5\n{} {}\n255\n", grid.width, grid.height);
-    Raster::open(&folder.join("map.pgm"), header.as_bytes(), [grid.width, grid.height], 1, true, resume)
+    Raster::open(&PGM.at(folder), header.as_bytes(), [grid.width, grid.height], 1, true, resume)
 }
 
 /// What a class looks like.

@@ -1,7 +1,7 @@
 //! A sensor as far as somebody has described it: every field may be missing. Descriptions are laid over each other (preset,
 //! log's header, sensor file, `--set`) and then completed to a [`Sensor`] with the defaults of its kind.
 
-use super::{Kind, Sensor, angle, length, similar};
+use super::{AtMax, Kind, Sensor, angle, length, similar};
 use serde::{Deserialize, Deserializer, de};
 use std::fmt;
 
@@ -35,6 +35,8 @@ pub struct Description {
     pub r_min: Option<f64>,
     /// Ranges above this are no echo, metres.
     pub r_max: Option<f64>,
+    /// What a range of just `r_max` is.
+    pub at_r_max: Option<AtMax>,
     /// Echoes from beyond this are rejected, metres.
     pub hit_range: Option<f64>,
     /// How far a missing echo frees the cone, metres.
@@ -50,7 +52,7 @@ pub struct Description {
 }
 
 /// The keys of a sensor table, in a TOML file or in a log's header.
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "id",
     "kind",
     "x",
@@ -60,6 +62,7 @@ const KEYS: [&str; 15] = [
     "half_width",
     "r_min",
     "r_max",
+    "at_r_max",
     "hit_range",
     "no_echo_range",
     "epsilon",
@@ -79,6 +82,8 @@ impl Description {
             ("kind", Value::Text(text)) if text == "sonar" => self.kind = Some(Kind::Sonar),
             ("kind", Value::Text(text)) if text == "laser" => self.kind = Some(Kind::Laser),
             ("kind", _) => return Err(wrong("takes \"sonar\" or \"laser\"".into())),
+            ("at_r_max", Value::Text(text)) => self.at_r_max = Some(AtMax::parse(text).map_err(wrong)?),
+            ("at_r_max", _) => return Err(wrong("takes \"hit\" or \"no_echo\"".into())),
             ("beams", Value::Number(n)) if n.fract() == 0.0 && (2.0..=1e6).contains(n) => self.beams = Some(*n as u32),
             ("beams", _) => return Err(wrong("takes a whole number from 2".into())),
             _ => {
@@ -134,6 +139,7 @@ impl Description {
         }
         put(&mut self.id, &upper.id);
         put(&mut self.kind, &upper.kind);
+        put(&mut self.at_r_max, &upper.at_r_max);
         put(&mut self.beams, &upper.beams);
         for key in KEYS {
             let theirs = upper.clone().slot(key).and_then(|s| *s);
@@ -175,6 +181,7 @@ impl Description {
             half_width: self.half_width.unwrap_or(half_width),
             r_min: self.r_min.unwrap_or(r_min),
             r_max,
+            at_r_max: self.at_r_max.unwrap_or_default(),
             hit_range: self.hit_range.unwrap_or(r_max),
             no_echo_range: self.no_echo_range.unwrap_or(0.0),
             epsilon: self.epsilon,

@@ -1,7 +1,7 @@
 //! What `--set` changes in every sensor of a log. It beats the sensor file, the log's header and the preset.
 
 use super::description::check_one;
-use super::{Description, angle, length};
+use super::{AtMax, Description, angle, length};
 use crate::method::settings::Key;
 use crate::{Error, Result};
 
@@ -24,6 +24,8 @@ pub struct Overrides {
     pub r_min: Option<f64>,
     /// Ranges above this are no echo, metres.
     pub r_max: Option<f64>,
+    /// What a range of just `r_max` is.
+    pub at_r_max: Option<AtMax>,
     /// Echoes from beyond this are rejected, metres.
     pub hit_range: Option<f64>,
     /// How far a missing echo frees the cone, metres.
@@ -43,6 +45,7 @@ pub const OVERRIDE_KEYS: &[Key] = &[
     key("beta", "0..60deg", "the sensor's", "half the beam's width"),
     key("r_min", "length, 0 or more", "the sensor's", "ranges below this are rejected"),
     key("r_max", "length, above 0", "the sensor's", "ranges above this are no echo"),
+    key("at_r_max", "no_echo|hit", "the sensor's", "what a range of just r_max is"),
     key("hit_range", "length, above 0, up to r_max", "the sensor's", "echoes from beyond this are rejected"),
     key("no_echo_range", "length, 0 to r_max", "the sensor's", "how far a missing echo frees the cone; 0: not at all"),
     key("epsilon", "length, above 0", "by kind and resolution", "half the depth of the arc"),
@@ -62,6 +65,11 @@ impl Overrides {
             "hit_range" => &mut self.hit_range,
             "no_echo_range" => &mut self.no_echo_range,
             "epsilon" => &mut self.epsilon,
+            "at_r_max" => {
+                let wrong = |what| Error::Usage(format!("--set at_r_max={value}: at_r_max {what}"));
+                self.at_r_max = Some(AtMax::parse(value).map_err(wrong)?);
+                return Ok(true);
+            }
             "mounts" => {
                 self.mounts = Some(match value {
                     "preset" => Mounts::Preset,
@@ -90,6 +98,7 @@ impl Overrides {
             half_width: self.beta,
             r_min: self.r_min,
             r_max: self.r_max,
+            at_r_max: self.at_r_max,
             hit_range: self.hit_range,
             no_echo_range: self.no_echo_range,
             epsilon: self.epsilon,
@@ -105,7 +114,7 @@ mod tests {
     #[test]
     fn every_documented_key_is_taken() {
         let mut o = Overrides::default();
-        for (key, value) in OVERRIDE_KEYS.iter().zip(["15deg", "170mm", "5", "3m", "1.5", "5cm", "none"]) {
+        for (key, value) in OVERRIDE_KEYS.iter().zip(["15deg", "170mm", "5", "hit", "3m", "1.5", "5cm", "none"]) {
             assert!(o.set(key.name, value).unwrap(), "{}", key.name);
         }
         let all = (o.beta, o.r_min, o.r_max, o.hit_range, o.no_echo_range, o.epsilon, o.mounts);
@@ -125,6 +134,7 @@ mod tests {
             ("r_min", "-0.1", "0 to 1e6"),
             ("epsilon", "0", "more than 0"),
             ("hit_range", "far", "mm, cm or m"),
+            ("at_r_max", "far", "\"hit\" or \"no_echo\""),
             ("mounts", "some", "preset or none"),
         ] {
             let error = Overrides::default().set(name, value).unwrap_err();

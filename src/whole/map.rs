@@ -5,6 +5,7 @@ use crate::grid::GridSpec;
 use crate::kernels::Backend;
 use crate::memory::{self, show};
 use crate::output::MapWriter;
+use crate::output::names::{FOUND, FOUND_PARTIAL};
 use crate::reading::Counts;
 use crate::session::Session;
 use crate::{Error, Result};
@@ -98,9 +99,6 @@ pub struct Done {
 /// The last stage's name: its chunks are written as they are finished.
 pub const MAPPING: &str = "mapping";
 
-/// What the rounds before the last have found, kept in the map's partial folder.
-pub(crate) const FOUND: &str = "found.bin";
-
 /// Maps a log into an open map. Spilled readings and what a resumed run needs lie in `folder`.
 ///
 /// # Errors
@@ -123,7 +121,7 @@ pub fn map(
     lap("bin");
     let rounds = session.method.rounds().unwrap_or_default();
     let binned: u64 = run.places().iter().map(|p| p.1).sum();
-    let found = folder.join(FOUND);
+    let found = FOUND.at(folder);
     if let [before @ .., _] = rounds
         && !before.is_empty()
     {
@@ -132,7 +130,7 @@ pub fn map(
             None => {
                 let traversals = before.iter().map(|r| r.len() as u64).sum::<u64>();
                 run.gather(backend, &*progress("weighing", binned * traversals))?;
-                keep(&found, run.found())?;
+                keep(folder, run.found())?;
             }
         }
         lap("gather");
@@ -155,13 +153,13 @@ pub fn map(
 }
 
 /// Keeps what was found, with a checksum, whole or not at all.
-fn keep(path: &Path, found: &[u32]) -> Result<()> {
+fn keep(folder: &Path, found: &[u32]) -> Result<()> {
+    let [path, partial] = [FOUND, FOUND_PARTIAL].map(|name| name.at(folder));
     let full =
         |e: std::io::Error| Error::Resources(format!("{} can't be written: {e}; free space there", path.display()));
     let bytes: &[u8] = bytemuck::cast_slice(found);
-    let partial = path.with_extension("partial");
     std::fs::write(&partial, [&Sha256::digest(bytes)[..], bytes].concat()).map_err(full)?;
-    std::fs::rename(&partial, path).map_err(full)
+    std::fs::rename(&partial, &path).map_err(full)
 }
 
 /// What an earlier run found for so many readings, if it is whole.

@@ -11,7 +11,6 @@ mod rounds;
 mod scanned;
 
 pub use bins::{Bins, Place};
-pub(crate) use map::FOUND;
 pub use map::{Done, MAPPING, Plan, Progress, map};
 pub use rounds::{Chunk, Run};
 pub use scanned::Scanned;

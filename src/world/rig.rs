@@ -4,7 +4,7 @@ use super::echo::Physics;
 use super::index::Index;
 use super::path::Stop;
 use super::text::Part;
-use crate::sensor::{Description, Kind, Sensor, preset};
+use crate::sensor::{AtMax, Description, Kind, Sensor, preset};
 use crate::{Error, Result};
 use std::f64::consts::{PI, TAU};
 
@@ -91,7 +91,9 @@ fn sonar(id: &str, radius: f64, axis: f64) -> Result<Sensor> {
     d.complete(0).map_err(Error::Usage)
 }
 
+/// A transducer that does not turn. Its silence has a mark of its own in the log: a range of just `r_max` is an echo.
 fn fixed(sensor: Sensor) -> Transducer {
+    let sensor = Sensor { at_r_max: AtMax::Hit, ..sensor };
     let noise = if sensor.kind == Kind::Sonar { (0.004, 0.002) } else { (0.01, 0.0) };
     Transducer { sensor, beams: 1, step: 0.0, circles: false, noise }
 }
@@ -271,6 +273,7 @@ fn laid(s: &Sensor, upper: &Description) -> std::result::Result<Sensor, String> 
         half_width: Some(s.half_width),
         r_min: Some(s.r_min),
         r_max: Some(s.r_max),
+        at_r_max: Some(s.at_r_max),
         hit_range: Some(s.hit_range).filter(|h| *h != s.r_max),
         no_echo_range: Some(s.no_echo_range),
         ..Description::default()

@@ -2,7 +2,7 @@
 
 use echogrid::feature::Ping;
 use echogrid::reading::{Outcome, Pose, Record};
-use echogrid::sensor::{Kind, Sensor};
+use echogrid::sensor::{AtMax, Kind, Sensor};
 
 fn of(range: f64) -> Option<Ping> {
     let sensor = Sensor {
@@ -14,6 +14,7 @@ fn of(range: f64) -> Option<Ping> {
         half_width: 0.25,
         r_min: 0.2,
         r_max: 5.0,
+        at_r_max: AtMax::Hit,
         hit_range: 4.0,
         no_echo_range: 0.0,
         epsilon: None,

@@ -126,7 +126,7 @@ fn constants_agree() {
             ("BLOCKS", BLOCKS as f64),
             ("SEGMENT", SEGMENT as f64),
             ("NO_ECHO", number(NO_ECHO)),
-            ("LASER", number(LASER)),
+            ("NARROW_BEAM", number(NARROW_BEAM)),
             ("HALF_OPEN", number(HALF_OPEN)),
             ("WIDE", number(WIDE)),
             ("BROAD", number(BROAD)),

@@ -6,7 +6,7 @@ use echogrid::grid::GridSpec;
 use echogrid::log::{Log, Options};
 use echogrid::mapper::Item;
 use echogrid::reading::{Outcome, Pose, Reading, Record, judge};
-use echogrid::sensor::{Kind, Sensor};
+use echogrid::sensor::{AtMax, Kind, Sensor};
 use echogrid::snap::Edges;
 use echogrid::wedge;
 use echogrid::world::plane::Point;
@@ -47,6 +47,7 @@ pub fn sonar(half_width_deg: f64, r_min: f64, r_max: f64) -> Sensor {
         half_width: half_width_deg.to_radians(),
         r_min,
         r_max,
+        at_r_max: AtMax::Hit,
         hit_range: r_max,
         no_echo_range: 0.8 * r_max,
         epsilon: None,

@@ -4,7 +4,7 @@
 use super::Options;
 use super::device::Device;
 use super::shader::{self, Kernel};
-use crate::layout::{BROAD, Cone, LASER, WIDE};
+use crate::layout::{BROAD, Cone, NARROW_BEAM, WIDE};
 use crate::method::{self, Method, Unit};
 use crate::snap::Footprint;
 use crate::{Error, Result};
@@ -21,15 +21,15 @@ pub struct Needs {
     pub wide: bool,
     /// One has a β of more than 22.5°: another way to its angle.
     pub broad: bool,
-    /// One is a laser's: a band beside its wedge.
-    pub lasers: bool,
+    /// One is narrow: a band beside its wedge.
+    pub narrow: bool,
 }
 
 impl Needs {
     /// Of these readings.
     pub fn of(cones: &[Cone]) -> Needs {
         let flags = cones.iter().fold(0, |flags, c| flags | c.flags);
-        Needs { wide: flags & WIDE != 0, broad: flags & BROAD != 0, lasers: flags & LASER != 0 }
+        Needs { wide: flags & WIDE != 0, broad: flags & BROAD != 0, narrow: flags & NARROW_BEAM != 0 }
     }
 }
 
@@ -51,7 +51,7 @@ fn overrides(
     let (unit, looks) = (method.unit(), kernel != Kernel::Sum);
     let parts = (!looks).then_some(("STAGED", staged));
     let variant = method.variant().filter(|_| looks);
-    let cones = (unit != Unit::Scan && looks).then_some([("BROAD_BEAMS", needs.broad), ("LASERS", needs.lasers)]);
+    let cones = (unit != Unit::Scan && looks).then_some([("BROAD_BEAMS", needs.broad), ("NARROW_BEAMS", needs.narrow)]);
     // A cone in 32 bits, not its axis alone.
     let apart = staged && !needs.wide && method.footprint() != Footprint::Axis;
     let lists = (unit == Unit::Reading && looks).then_some([("STAGED", staged), ("TOLD_APART", apart)]);

@@ -3,7 +3,7 @@
 //! Coordinates are cells, from the grid's lower left corner, y up: cell (column c, row r) has its centre at (c + ½, r + ½).
 
 use crate::grid::GridSpec;
-use crate::layout::{CELL, LASER, NO_ECHO};
+use crate::layout::{CELL, NARROW_BEAM, NO_ECHO};
 use crate::reading::Reading;
 use crate::sensor::Sensor;
 use crate::snap::{Footprint, snap};
@@ -92,7 +92,7 @@ impl Outline {
         let [inner, outer] = reach.map(|r| cells(f64::from(r.max(0))));
         // A missing echo has no arc: its cone ends where its interior does.
         let far = if cone.flags & NO_ECHO != 0 { inner } else { outer };
-        let strip = if cone.flags & LASER != 0 { 0.5 } else { 0.0 };
+        let strip = if cone.flags & NARROW_BEAM != 0 { 0.5 } else { 0.0 };
         let mut lines: Vec<Vec<Point>> = [left, right].map(|edge| vec![start, along(edge, far)]).into();
         for side in [strip, -strip].into_iter().filter(|s| *s != 0.0) {
             let aside = |p: Point| (p.0 - side * axis.sin(), p.1 + side * axis.cos());
