@@ -33,8 +33,8 @@ fn kernels(c: &mut Criterion) {
                     b.iter(|| {
                         let backend = chosen.backend.as_mut();
                         let sensors = &workload.sensors;
-                        let mut mapper =
-                            Mapper::new(workload.grid, sensors, method.as_ref(), backend, BATCH).without_counts();
+                        let mapper = Mapper::new(workload.grid, sensors, method.as_ref(), backend, BATCH).unwrap();
+                        let mut mapper = mapper.without_counts();
                         for sweep in 0..method.sweeps().len() {
                             mapper.sweep(sweep, workload.readings.iter().map(|r| Ok((*r, None)))).unwrap();
                         }

@@ -5,7 +5,7 @@ use crate::grid::{GridSpec, Layer, Map};
 use crate::kernels::{Backend, Limits};
 use crate::layers;
 use crate::layout::{CELL, Cone, DIRECTION, Frame, NO_ECHO, WIDE};
-use crate::method::{self, Method};
+use crate::method::{self, Method, Unit};
 use crate::reading::{Counts, Reading};
 use crate::sensor::Sensor;
 use crate::snap::{Edges, Footprint, region, snap};
@@ -56,24 +56,26 @@ impl Work {
 
 impl<'a> Mapper<'a> {
     /// A mapper of readings of these sensors; `batch`: readings at a time (the result does not depend on it).
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a method that takes scans or updates instead of readings ([`Method::unit`]): a
+    /// [`Session`](crate::session::Session) maps a log by any method.
     pub fn new(
         grid: GridSpec,
         sensors: &'a [Sensor],
         method: &'a dyn Method,
         backend: &'a mut dyn Backend,
         batch: usize,
-    ) -> Self {
-        let batch = batch.clamp(1, backend.limits().readings);
-        Mapper {
-            grid,
-            sensors,
-            method,
-            backend,
-            batch,
-            counting: true,
-            counts: Counts::default(),
-            work: Work::default(),
+    ) -> Result<Self> {
+        if method.unit() != Unit::Reading {
+            return Err(Error::Usage(format!(
+                "{} does not take readings one by one: map a log by Session::map",
+                method::name(method)
+            )));
         }
+        let batch = batch.clamp(1, backend.limits().readings);
+        let (counts, work) = (Counts::default(), Work::default());
+        Ok(Mapper { grid, sensors, method, backend, batch, counting: true, counts, work })
     }
 
     /// Leaves `outside`, `empty_arc` and `wide` uncounted: for benchmarks of the kernels alone.
@@ -87,7 +89,22 @@ impl<'a> Mapper<'a> {
     }
 
     /// One sweep over the log: `items` are its readings in order, the same in every sweep.
+    ///
+    /// # Errors
+    /// Those of `items` and of the backend; [`Error::Usage`] for a sweep that the method does not have, or a reading of a sensor that is
+    /// not among the mapper's.
     pub fn sweep(&mut self, sweep: usize, items: impl Iterator<Item = Result<Item>>) -> Result<()> {
+        let (sweeps, sensors) = (self.method.sweeps().len(), self.sensors.len());
+        if sweep >= sweeps {
+            return Err(Error::Usage(format!("sweep {sweep}: {} has {sweeps}, from 0", method::name(self.method))));
+        }
+        let items = items.map(|item| match item {
+            Ok((Reading { record, .. }, _)) if record.sensor as usize >= sensors => Err(Error::Usage(format!(
+                "the reading of line {} names sensor {}, of {sensors}",
+                record.line, record.sensor
+            ))),
+            item => item,
+        });
         let mut held = Vec::with_capacity(items.size_hint().0.min(self.batch));
         for item in items {
             held.push(item?);

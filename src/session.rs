@@ -10,14 +10,14 @@ use crate::layers;
 use crate::log::{self, Log, Problem};
 use crate::mapper::{self, Finished, Item, Mapper, Work};
 use crate::memory;
-use crate::method::settings::{Csm, Settings};
+use crate::method::settings::{Bayes, Csm, Likelihood, Settings};
 use crate::method::{self, Method};
 use crate::oracle::{self, OracleMap};
 use crate::reading::{Counts, Reading, Record, judge};
 use crate::scan::{Scan, Scans};
 use crate::sensor::{Kind, Overrides, Sensor};
 use crate::snap::Edges;
-use crate::survey::{Survey, survey};
+use crate::survey::{Look, Spread, Survey, survey};
 use crate::update;
 use crate::wedge;
 use crate::whole::Scanned;
@@ -106,7 +106,13 @@ impl Session {
         // Given bounds are checked before the log is read through.
         let given = request.bounds.map(|b| GridSpec::from_bounds(b, request.resolution)).transpose()?;
         let until = request.until.unwrap_or(u64::MAX);
-        let survey = survey(&log, &sensors, request.resolution, until)?;
+        let look = Look {
+            resolution: request.resolution,
+            until,
+            r_max_set: options.overrides.r_max.is_some(),
+            spread: spread(&request.settings),
+        };
+        let survey = survey(&log, &sensors, &look)?;
         if let (true, Some(first)) = (request.strict, survey.bad_lines.first.first()) {
             let more = match survey.bad_lines.count - 1 {
                 0 => String::new(),
@@ -122,6 +128,9 @@ impl Session {
             None => GridSpec::around(survey.covered, request.resolution).map_err(|e| survey.explain(e, path))?,
         };
         let (mut settings, mut classes) = (request.settings, None);
+        if let Settings::Bayes(bayes) = &mut settings {
+            bayes.model = Some(likelihood(bayes, &sensors));
+        }
         if let Settings::Csm(csm) = &mut settings {
             classes = prepare(csm, request, &log, &survey)?;
             let far = [grid.x0(), grid.y0()].into_iter().find(|v| v.abs() > FARTHEST);
@@ -134,6 +143,11 @@ impl Session {
         }
         let method = method::make(settings);
         Ok(Session { log, sensors, method, grid, survey, classes, until, bounded: given.is_some() })
+    }
+
+    /// Whether the grid's bounds were given.
+    pub fn bounded(&self) -> bool {
+        self.bounded
     }
 
     /// The log's sensors, with the method's limits.
@@ -262,7 +276,7 @@ impl Session {
             let counts = Counts { outside, empty_arc, wide, ..self.survey.counts };
             return Ok(Mapped { finished, counts, work, found: Some(found) });
         }
-        let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch);
+        let mut mapper = Mapper::new(self.grid, self.sensors(), self.method.as_ref(), backend, batch)?;
         for sweep in 0..self.method.sweeps().len() {
             mapper.sweep(sweep, self.items()?.take(count).inspect(|_| progress(1)))?;
         }
@@ -316,6 +330,22 @@ fn lasers_only(path: &std::path::Path, request: &Request, error: Error) -> Error
         ),
         false => error,
     }
+}
+
+/// How far around a beam a method updates cells.
+fn spread(settings: &Settings) -> Spread {
+    match settings {
+        Settings::Csm(csm) if csm.continuous => Spread { beside: csm.l, half_width: 0.0 },
+        Settings::Csm(csm) => Spread { beside: csm.w_obstacle.unwrap_or(0.0) / 2.0, half_width: csm.w_beam / 2.0 },
+        _ => Spread::default(),
+    }
+}
+
+/// The likelihoods that fit the sensors, unless the user chose: a sonar's profile thins out towards its range and its edge, which would
+/// cost a laser a part of its walls.
+fn likelihood(bayes: &Bayes, sensors: &[Sensor]) -> Likelihood {
+    let lasers = sensors.iter().all(|s| s.kind == Kind::Laser);
+    bayes.model.unwrap_or(if lasers { Likelihood::Constant } else { Likelihood::Murphy })
 }
 
 /// Gives a counting sensor model what it needs of the log: its class labels, the size of its cells.
@@ -394,6 +424,9 @@ fn nothing_to_map(survey: &Survey) -> String {
             reasons.join(", ")
         ),
     };
+    for note in &survey.notes {
+        text += &format!("; {note}");
+    }
     if let Some(first) = bad.first.first() {
         text += &format!("; {} bad lines, the first: {first}", bad.count);
     }

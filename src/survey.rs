@@ -1,10 +1,17 @@
 //! A first look through a log: what its records are worth, the box they reach, its bad lines.
 
+mod covered;
+mod doubts;
+
 use crate::log::{Log, Problem};
 use crate::output::BadLines;
 use crate::reading::{Counts, Outcome, Pose, judge};
 use crate::sensor::Sensor;
 use crate::{Error, Result};
+pub use covered::Spread;
+
+use covered::Covered;
+use doubts::Doubts;
 use std::path::Path;
 
 /// Bad lines that are quoted.
@@ -24,7 +31,7 @@ pub struct Survey {
     pub hits: u64,
     /// Scans with a used reading.
     pub scans: u64,
-    /// x0, y0, x1, y1: every used reading's sensor ± (R + ε), metres.
+    /// x0, y0, x1, y1: the box of every used reading's cone up to R + ε, metres.
     pub covered: [f64; 4],
     /// Lines that are no readings though they should be.
     pub bad_lines: BadLines,
@@ -36,25 +43,39 @@ pub struct Survey {
     pub jump: (f64, u64, Pose),
 }
 
-/// Reads the log through, up to the `until`-th used reading.
+/// What a survey needs to know of the run.
+#[derive(Debug, Clone, Copy)]
+pub struct Look {
+    /// Edge of a cell, metres.
+    pub resolution: f64,
+    /// Only the first so many used readings.
+    pub until: u64,
+    /// The user has said where the sensors' scale ends.
+    pub r_max_set: bool,
+    /// What the method adds to a reading's cone.
+    pub spread: Spread,
+}
+
+/// Reads the log through.
 ///
 /// # Errors
 /// The log's.
-pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64) -> Result<Survey> {
+pub fn survey(log: &Log, sensors: &[Sensor], look: &Look) -> Result<Survey> {
     let mut survey = Survey {
         counts: Counts::default(),
         labelled: 0,
         hits: 0,
         scans: 0,
-        covered: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY],
+        covered: Covered::nothing().corners(),
         bad_lines: BadLines::default(),
         ignored: 0,
         notes: Vec::new(),
         jump: (0.0, 0, Pose::default()),
     };
     let mut records = log.records()?;
+    let (mut covered, mut doubts) = (Covered::nothing(), Doubts::of(sensors.len()));
     let (mut scan, mut last): (Option<u64>, Option<Pose>) = (None, None);
-    while survey.counts.used < until {
+    while survey.counts.used < look.until {
         let record = match records.next() {
             None => break,
             Some(Ok(record)) => record,
@@ -70,6 +91,7 @@ pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64) -> Res
         let sensor = &sensors[record.sensor as usize];
         let judged = judge(record, sensor);
         survey.counts.add(&judged);
+        doubts.look(&record, sensor, &judged);
         let Ok(reading) = judged else { continue };
         let hit = reading.outcome == Outcome::Hit;
         survey.hits += u64::from(hit);
@@ -84,12 +106,11 @@ pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64) -> Res
             survey.jump = (step, record.line, at);
         }
         last = Some(at);
-        let (pose, reach) = (record.pose, reading.range + sensor.epsilon(resolution));
-        let [x0, y0, x1, y1] = survey.covered;
-        survey.covered =
-            [x0.min(pose.x - reach), y0.min(pose.y - reach), x1.max(pose.x + reach), y1.max(pose.y + reach)];
+        covered.add(&reading, sensor, look.resolution, look.spread);
     }
     survey.ignored = records.ignored();
+    survey.covered = covered.corners();
+    survey.notes = doubts.tell(sensors, look.r_max_set);
     Ok(survey)
 }
 

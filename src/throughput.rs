@@ -109,7 +109,7 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
             }
             _ => {
                 let mut mapper =
-                    Mapper::new(workload.grid, &workload.sensors, method, backend, mapper::BATCH).without_counts();
+                    Mapper::new(workload.grid, &workload.sensors, method, backend, mapper::BATCH)?.without_counts();
                 for sweep in 0..method.sweeps().len() {
                     mapper.sweep(sweep, workload.readings.iter().map(|r| Ok((*r, None))))?;
                 }
@@ -163,7 +163,7 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
 /// What the lists of a workload's readings hold, whoever makes them.
 fn listed(workload: &Workload, method: &dyn Method) -> Result<Work> {
     let mut dry = Dry::default();
-    let mut mapper = Mapper::new(workload.grid, &workload.sensors, method, &mut dry, mapper::BATCH).without_counts();
+    let mut mapper = Mapper::new(workload.grid, &workload.sensors, method, &mut dry, mapper::BATCH)?.without_counts();
     for sweep in 0..method.sweeps().len() {
         mapper.sweep(sweep, workload.readings.iter().map(|r| Ok((*r, None))))?;
     }

@@ -20,7 +20,20 @@ fn sensor(kind: Kind, r_min: f64, epsilon: f64) -> Sensor {
     let (id, epsilon) = ("s".into(), Some(epsilon));
     let (r_max, hit_range, no_echo_range) = (10.0, 10.0, 1.5);
     let at_r_max = AtMax::Hit;
-    Sensor { id, kind, x: 0.0, y: 0.0, axis: 0.0, half_width, r_min, r_max, at_r_max, hit_range, no_echo_range, epsilon }
+    Sensor {
+        id,
+        kind,
+        x: 0.0,
+        y: 0.0,
+        axis: 0.0,
+        half_width,
+        r_min,
+        r_max,
+        at_r_max,
+        hit_range,
+        no_echo_range,
+        epsilon,
+    }
 }
 
 fn reading(sensor: u32, x: f64, y: f64, degrees: f64, range: f64) -> Reading {

@@ -67,7 +67,7 @@ impl<S: Simd> Columns<S> {
         let along = [sum(self.along[0], row.along[0]), sum(self.along[1], row.along[1])];
         let axis = shape.footprint == Footprint::Axis;
         let mut beam = mask32x16::splat(self.near2.token(), false);
-        if axis || shape.laser {
+        if axis || shape.narrow {
             let half = CELL / 2 * DIRECTION;
             let before = if axis { -(SLACK as i32) * DIRECTION } else { 0 };
             beam = sum(self.across[0], row.across[0]).simd_le(half)

@@ -1,6 +1,6 @@
 //! `echogrid bench`.
 
-use super::common::{LogArguments, threads, use_threads, warn_of_bad_lines, warn_of_jump};
+use super::common::{LogArguments, threads, use_threads, warn_of_jump, warn_of_log};
 use super::offered::{Offered, methods};
 use super::{note, say};
 use crate::kernels::ceiling::Ceilings;
@@ -302,7 +302,7 @@ fn short(name: &str, most: usize) -> String {
 fn from_log(path: &std::path::Path) -> Result<Workload> {
     let arguments = LogArguments::plain(path);
     let session = arguments.session()?;
-    warn_of_bad_lines(&session);
+    warn_of_log(&arguments, &session);
     warn_of_jump(&arguments, &session);
     let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
     let (readings, _) = session.all()?;

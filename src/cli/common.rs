@@ -182,7 +182,9 @@ fn unknown_key(method: &str, settings: &Settings, key: &str) -> String {
 fn idle(settings: &Settings, set: &[String]) -> Vec<(&'static str, &'static str)> {
     const SCANS: &str = "a counting sensor model: it takes the nearest beam";
     let keys: &[(&'static str, &'static str)] = match settings {
-        Settings::Bayes(b) if b.model == Likelihood::Murphy => &[("p_hit", "model=murphy"), ("p_miss", "model=murphy")],
+        Settings::Bayes(b) if b.likelihood() == Likelihood::Murphy => {
+            &[("p_hit", "model=murphy"), ("p_miss", "model=murphy")]
+        }
         Settings::Bayes(_) => &[
             ("max_occ", "model=constant"),
             ("region_one_floor", "model=constant"),
@@ -208,9 +210,6 @@ impl LogArguments {
     pub fn request(&self) -> Result<Request> {
         use_threads(self.threads)?;
         let request = self.request_of(&self.method, &self.pairs()?)?;
-        for (key, why) in idle(&request.settings, &self.set) {
-            note!("--set {key} has no effect with {why}");
-        }
         if self.classes.is_some() && !matches!(request.settings, Settings::Csm(c) if c.semantic) {
             note!("--classes has no effect with {}: it knows no class labels", self.method);
         }
@@ -311,36 +310,26 @@ pub fn spinner(stage: &'static str, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// One line on what became of the log's readings.
-pub fn readings(c: &Counts, session: &Session) -> String {
-    let r = c.rejected;
-    let rejected = r.below_r_min + r.not_a_number + r.negative + r.beyond_hit_range;
-    let mut text = format!("{} of {} readings of {} scans", c.used, c.read, session.survey.scans);
-    for (count, what) in [
-        (c.no_echo, "without echo"),
-        (rejected, "rejected"),
-        (c.outside, "outside the grid"),
-        (c.empty_arc, "with an empty arc"),
-        (c.wide, "wider than 1024 cells"),
-    ] {
-        if count > 0 {
-            text += &format!(", {count} {what}");
-        }
-    }
-    text
+/// Says once what a user should know of a log: bad lines, with the first few, how it was read, and which parameters change nothing.
+pub fn warn_of_log(arguments: &LogArguments, session: &Session) {
+    tell_idle(arguments, session);
+    note_bad_lines(session, "mend them, or give --strict to write nothing then; the exit code is 6");
+    tell_notes(session);
 }
 
-/// Says how the log was read, where a user should know.
+/// Says which of the parameters that are set change nothing.
+pub fn tell_idle(arguments: &LogArguments, session: &Session) {
+    for (key, why) in idle(&session.method.settings(), &arguments.set) {
+        note!("--set {key} has no effect with {why}");
+    }
+}
+
+/// Says how a log was read, where a user should know.
 pub fn tell_notes(session: &Session) {
     let path = session.log.path().display();
     for text in session.notes() {
         note!("{path}: {text}");
     }
-}
-
-/// Warns of bad lines, once, with the first few.
-pub fn warn_of_bad_lines(session: &Session) {
-    note_bad_lines(session, "mend them, or give --strict to write nothing then; the exit code is 6");
 }
 
 /// The same, with what to do about them.

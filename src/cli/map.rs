@@ -1,12 +1,12 @@
 //! `echogrid map`.
 
 use super::common::{
-    BackendArgument, LogArguments, bar, count, done, from_one, readings, spinner, tell_notes, warn_of_bad_lines, warn_of_empty_map,
-    warn_of_jump,
+    BackendArgument, LogArguments, bar, count, done, from_one, spinner, warn_of_empty_map, warn_of_jump, warn_of_log,
 };
 use super::interrupt::{self, Unbroken};
+use super::summary::summary;
 use super::{note, say};
-use crate::feature::{self, Times};
+use crate::feature;
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
 use crate::method::Unit;
@@ -69,8 +69,7 @@ impl Map {
         let session = Session::open(&self.log.log, &request)?;
         drop(sign);
         let surveyed = started.elapsed().as_secs_f64();
-        warn_of_bad_lines(&session);
-        tell_notes(&session);
+        warn_of_log(&self.log, &session);
         self.check_working(&session)?;
         let whole = session.method.rounds().is_some() && self.backend.choice().is_some();
         if !whole || self.working.is_some() {
@@ -277,41 +276,4 @@ fn run_info(session: &Session, ran: &Ran, counts: Counts, seconds: Vec<(String, 
         classes: session.classes.as_ref().map_or_else(Vec::new, |c| c.names.clone()),
         features: None,
     })
-}
-
-fn summary(session: &Session, counts: &Counts, report: &Report, why: &str, place: &std::path::Path) {
-    let c = &report.cells;
-    let seconds: f64 = report.seconds.iter().map(|s| s.1).sum();
-    say!("{}", readings(counts, session));
-    say!(
-        "{}: {} × {} cells of {} m from ({:.2}, {:.2}) m; {} touched, {} occupied, {} empty; {} cell updates",
-        report.method,
-        c.width,
-        c.height,
-        c.resolution,
-        c.x0,
-        c.y0,
-        c.touched,
-        c.occupied,
-        c.empty,
-        report.updates
-    );
-    if let Some(f) = &report.features {
-        let Times { stage, kernels, .. } = f.seconds;
-        say!(
-            "{}, {}, {}; readings: {} from a feature, {} from behind a wall, {} from behind a safe line, {} routine",
-            count(f.walls, "wall"),
-            count(f.corners, "corner"),
-            count(f.points, "point"),
-            f.associated,
-            f.outliers,
-            f.behind,
-            f.routine
-        );
-        say!("stage {stage:.2} s, kernels {kernels:.2} s, {:.0} % of the shorter beside the other", 100.0 * f.overlap);
-    }
-    let why = if why.is_empty() { String::new() } else { format!(", because {why}") };
-    let adapter = report.adapter.as_deref().map(|a| format!(" ({a})")).unwrap_or_default();
-    say!("{}{adapter}{why}; {seconds:.2} s", report.backend);
-    say!("{}", place.join("map.png").display());
 }

@@ -15,6 +15,7 @@ mod parameters;
 mod plan;
 mod score;
 mod simulate;
+mod summary;
 mod truth;
 mod verify;
 mod view;

@@ -1,6 +1,6 @@
 //! `echogrid plan`.
 
-use super::common::{BackendArgument, LogArguments, bar, count, done, item, spinner, warn_of_bad_lines, warn_of_jump};
+use super::common::{BackendArgument, LogArguments, bar, count, done, item, spinner, warn_of_jump, warn_of_log};
 use super::{interrupt, parameters, say};
 use crate::kernels::{Chosen, choose};
 use crate::memory::{self, show};
@@ -57,7 +57,7 @@ impl Plan {
         let session = self.log.session()?;
         drop(sign);
         let surveyed = started.elapsed().as_secs_f64();
-        warn_of_bad_lines(&session);
+        warn_of_log(&self.log, &session);
         warn_of_jump(&self.log, &session);
         let Some(choice) = self.backend.choice() else { return self.resident(&session, self.oracle(&session, surveyed)?) };
         let chosen = choose(choice, session.method.as_ref(), self.log.threads)?;

@@ -1,6 +1,6 @@
 //! `echogrid verify`.
 
-use super::common::{LogArguments, bar, done, spinner, tell_notes, warn_of_bad_lines, warn_of_jump};
+use super::common::{LogArguments, bar, done, spinner, warn_of_jump, warn_of_log};
 use super::{note, say};
 use crate::compare::{Options, compare, write_pictures};
 use crate::kernels::{Choice, Chosen, choose, gpu_required};
@@ -53,8 +53,7 @@ impl Verify {
         let sign = spinner("reading", self.quiet || self.json);
         let session = self.log.session()?;
         drop(sign);
-        warn_of_bad_lines(&session);
-        tell_notes(&session);
+        warn_of_log(&self.log, &session);
         // The oracle keeps values and bounds in f64, and two maps are held beside it.
         let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
         let readings = session.survey.counts.used * 200;

@@ -1,6 +1,6 @@
 //! `echogrid view`.
 
-use super::common::{LogArguments, note_bad_lines};
+use super::common::{LogArguments, note_bad_lines, tell_idle, tell_notes};
 use super::offered::{Offered, methods};
 use super::{note, say};
 use crate::output::seems_map;
@@ -94,7 +94,6 @@ impl Command {
                 "a log is read anew for each method and parameter: write standard input to a file, and give that";
             return Err(Error::Usage(what.into()));
         }
-        // The first time with what it has to say of parameters.
         arguments.request()?;
         let own = Wanted { method: arguments.method.clone(), set: arguments.pairs()?.into_iter().collect() };
         let mut lanes = vec![own];
@@ -118,7 +117,11 @@ impl Command {
             }
             error => error,
         })?;
-        view.about(|session| note_bad_lines(session, "mend them; --strict refuses such a log"));
+        view.about(|session| {
+            note_bad_lines(session, "mend them; --strict refuses such a log");
+            tell_idle(arguments, session);
+            tell_notes(session);
+        });
         Ok(Arc::new(view))
     }
 

@@ -42,7 +42,7 @@ impl Kernel for Bayes {
 
     #[inline(always)]
     fn polar(&self) -> bool {
-        self.model == Likelihood::Murphy
+        self.likelihood() == Likelihood::Murphy
     }
 
     #[inline(always)]
@@ -57,7 +57,7 @@ impl Kernel for Bayes {
 
     #[inline(always)]
     fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, _: &[u32; 4], cells: &mut Cells<S>) {
-        if self.model == Likelihood::Constant {
+        if self.likelihood() == Likelihood::Constant {
             return;
         }
         let (d, turn) = (row.distance, row.turn);
@@ -96,7 +96,7 @@ impl Method for Bayes {
     }
 
     fn variant(&self) -> Option<(&'static str, bool)> {
-        Some(("CONSTANT", self.model == Likelihood::Constant))
+        Some(("CONSTANT", self.likelihood() == Likelihood::Constant))
     }
 
     fn profile(&self, sensor: &Sensor, _: &Snapped) -> [f32; 4] {
@@ -109,7 +109,7 @@ impl Method for Bayes {
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
         let logit = |p: f64| (p / (1.0 - p)).ln();
-        let odds = match self.model {
+        let odds = match self.likelihood() {
             Likelihood::Murphy => odds::log_odds(&words[2..]),
             Likelihood::Constant => f64::from(words[1]) * logit(self.p_hit) + f64::from(words[0]) * logit(self.p_miss),
         };

@@ -77,8 +77,9 @@ pub enum Likelihood {
 /// Bayes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bayes {
-    /// A reading's likelihoods.
-    pub model: Likelihood,
+    /// A reading's likelihoods; `None`: by sensor, Murphy's for sonars and constant for lasers (a [`Session`](crate::session::Session)
+    /// looks at the log's; without one it is Murphy's).
+    pub model: Option<Likelihood>,
     /// Murphy's Max_occ: P(s|occupied) is at most this.
     pub max_occ: f64,
     /// P(s|occupied) on the arc is at least this (0: the book's literal formula).
@@ -98,7 +99,7 @@ pub struct Bayes {
 impl Default for Bayes {
     fn default() -> Self {
         Bayes {
-            model: Likelihood::Murphy,
+            model: None,
             max_occ: 0.98,
             region_one_floor: 0.5,
             region_two_floor: 0.5,
@@ -107,6 +108,13 @@ impl Default for Bayes {
             p_occupied: 0.6,
             p_empty: 0.4,
         }
+    }
+}
+
+impl Bayes {
+    /// The likelihoods in use.
+    pub fn likelihood(&self) -> Likelihood {
+        self.model.unwrap_or_default()
     }
 }
 
@@ -162,7 +170,12 @@ const DEMPSTER_SHAFER: &[Key] = &[
     key("max_occ", "0..1", "0.98", "Murphy's Max_occ (model murphy)"),
 ];
 const BAYES: &[Key] = &[
-    key("model", "murphy|constant", "murphy", "a reading's likelihoods: Murphy's profile, or two constants for lasers"),
+    key(
+        "model",
+        "murphy|constant",
+        "murphy, for lasers constant",
+        "a reading's likelihoods: Murphy's profile, or two constants for lasers",
+    ),
     key("max_occ", "0..1", "0.98", "largest P(s|occupied) on the arc"),
     key("region_one_floor", "0..0.98", "0.5", "smallest P(s|occupied) on the arc; 0: the book's literal formula"),
     key("region_two_floor", "0..0.98", "0.5", "smallest P(s|empty) in the interior; 0: the book's literal formula"),
@@ -222,7 +235,7 @@ impl Settings {
                 _ => d.max_occ = number(0.0, 1.0)?,
             },
             Settings::Bayes(b) => match name {
-                "model" => b.model = [Likelihood::Murphy, Likelihood::Constant][choice(["murphy", "constant"])?],
+                "model" => b.model = Some([Likelihood::Murphy, Likelihood::Constant][choice(["murphy", "constant"])?]),
                 "max_occ" => b.max_occ = number(0.0, 1.0)?,
                 "region_one_floor" => b.region_one_floor = number(0.0, 0.98)?,
                 "region_two_floor" => b.region_two_floor = number(0.0, 0.98)?,
@@ -255,7 +268,7 @@ impl Settings {
             Settings::Bayes(b) => {
                 let numbers =
                     [b.max_occ, b.region_one_floor, b.region_two_floor, b.p_hit, b.p_miss, b.p_occupied, b.p_empty];
-                let model = ["murphy", "constant"][b.model as usize].to_string();
+                let model = ["murphy", "constant"][b.likelihood() as usize].to_string();
                 std::iter::once(model).chain(numbers.iter().map(f64::to_string)).collect()
             }
             Settings::Himm(h) => vec![h.gro.to_string()],

@@ -23,7 +23,7 @@ pub(super) fn expression(cone: &Cone, (d, theta): (f64, f64), most: f64) -> Appr
 
 /// P(s|occupied) of a cell, with a kernel's bound.
 pub(super) fn likelihood(settings: &Bayes, cone: &Cone, region: Region, polar: (f64, f64)) -> Approx {
-    if settings.model == Likelihood::Constant {
+    if settings.likelihood() == Likelihood::Constant {
         let value = if region == Region::Arc { settings.p_hit } else { settings.p_miss };
         return Approx { value: value.clamp(CLAMP, 1.0 - CLAMP), bound: 0.0 };
     }
@@ -44,7 +44,7 @@ pub(super) fn likelihood(settings: &Bayes, cone: &Cone, region: Region, polar: (
 /// ln(p/(1 − p)) and its bound.
 fn logit(settings: &Bayes, p: Approx) -> Approx {
     let value = p.value.ln() - (1.0 - p.value).ln();
-    if settings.model == Likelihood::Constant {
+    if settings.likelihood() == Likelihood::Constant {
         // counted exactly, multiplied on the host in f64
         return Approx { value, bound: 0.0 };
     }

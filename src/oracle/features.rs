@@ -9,7 +9,7 @@ use crate::feature::{Fan, Update};
 use crate::grid::GridSpec;
 use crate::method::settings::{Bayes, Features, Settings};
 use crate::reading::Outcome;
-use crate::sensor::{Kind, Sensor};
+use crate::sensor::Sensor;
 use crate::{Error, Result};
 use std::ops::Range;
 

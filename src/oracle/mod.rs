@@ -30,7 +30,7 @@ pub use working::{Working, WorkingCell, working, working_of};
 use crate::grid::GridSpec;
 use crate::method::settings::Settings;
 use crate::reading::Reading;
-use crate::sensor::{Kind, Sensor};
+use crate::sensor::Sensor;
 use crate::{Error, Result};
 use cone::{Cell, Cone, Rule};
 

@@ -15,5 +15,6 @@ mod map;
 mod outputs;
 mod repeat;
 mod resume;
+mod sensors;
 mod tools;
 mod worlds;

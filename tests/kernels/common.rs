@@ -93,7 +93,7 @@ impl Scene {
         if method.unit() == Unit::Update {
             return self.update(method, backend, batch);
         }
-        let mut mapper = Mapper::new(self.grid, &self.sensors, method, backend, batch);
+        let mut mapper = Mapper::new(self.grid, &self.sensors, method, backend, batch).unwrap();
         // Wedges are for the laser truth alone.
         let item = |(reading, edges): &Item| (*reading, edges.filter(|_| method.settings() == Settings::Truth));
         for sweep in 0..method.sweeps().len() {

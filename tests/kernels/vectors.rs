@@ -235,7 +235,8 @@ fn the_growth_rate_operator_is_refused_on_the_gpu() {
     let method = method::make(settings("himm-gro"));
     let scene = one(sonar(15.0, 0.3, 10.0), 5.0);
     let items = scene.items.iter().map(|i| Ok(*i));
-    let mut mapper = echogrid::mapper::Mapper::new(scene.grid, &scene.sensors, method.as_ref(), &mut *gpu, BATCH);
+    let mut mapper =
+        echogrid::mapper::Mapper::new(scene.grid, &scene.sensors, method.as_ref(), &mut *gpu, BATCH).unwrap();
     let error = mapper.sweep(0, items).unwrap_err().to_string();
     assert!(error.contains("growth-rate") && error.contains("--backend cpu"), "{error}");
 }

@@ -1,0 +1,165 @@
+//! What `map` says when it is done: what became of the readings, what the map holds, on what it ran, and whether another method would
+//! serve the log better.
+
+use super::common::count;
+use super::say;
+use crate::feature::{Summary, Times};
+use crate::method;
+use crate::method::settings::{Likelihood, Settings};
+use crate::output::Report;
+use crate::reading::Counts;
+use crate::sensor::{Kind, Sensor};
+use crate::session::Session;
+use indicatif::HumanCount;
+use std::path::Path;
+
+/// Prints the summary of a map.
+pub(super) fn summary(session: &Session, counts: &Counts, report: &Report, why: &str, place: &Path) {
+    for line in readings(counts, session) {
+        say!("{line}");
+    }
+    let c = &report.cells;
+    let name = match session.method.settings() {
+        Settings::Bayes(b) if b.likelihood() == Likelihood::Constant => "bayes (model constant)".into(),
+        _ => report.method.clone(),
+    };
+    let edge = |first: f64, cells: usize| first + cells as f64 * c.resolution;
+    say!(
+        "{name}: {} × {} cells of {}, x {:.2} to {:.2} m, y {:.2} to {:.2} m",
+        c.width,
+        c.height,
+        length(c.resolution),
+        c.x0,
+        edge(c.x0, c.width),
+        c.y0,
+        edge(c.y0, c.height)
+    );
+    say!(
+        "{} cells seen: {} occupied, {} empty, {} undecided; {} cell updates",
+        HumanCount(c.touched),
+        HumanCount(c.occupied),
+        HumanCount(c.empty),
+        HumanCount(c.touched.saturating_sub(c.occupied + c.empty)),
+        HumanCount(report.updates)
+    );
+    if let Some(found) = &report.features {
+        features(found);
+    }
+    let seconds: f64 = report.seconds.iter().map(|s| s.1).sum();
+    let why = if why.is_empty() { String::new() } else { format!(", because {why}") };
+    let adapter = report.adapter.as_deref().map(|a| format!(" ({a})")).unwrap_or_default();
+    say!("{}{adapter}{why}; {seconds:.2} s", report.backend);
+    if let Some(advice) = advice(session) {
+        say!("{advice}");
+    }
+    say!("{}", place.join("map.png").display());
+}
+
+fn features(f: &Summary) {
+    let Times { stage, kernels, .. } = f.seconds;
+    say!(
+        "found {}, {} and {}; echoes: {} from one of these, {} mirrored (from behind a wall), {} from behind the line between two, \
+         {} from none",
+        count(f.walls, "wall"),
+        count(f.corners, "corner"),
+        count(f.points, "point"),
+        HumanCount(f.associated),
+        HumanCount(f.outliers),
+        HumanCount(f.behind),
+        HumanCount(f.routine)
+    );
+    say!("finding them took {stage:.2} s, updating cells {kernels:.2} s, side by side");
+}
+
+/// What became of the log's readings: those mapped, and why others were not, with what changes that.
+fn readings(c: &Counts, session: &Session) -> Vec<String> {
+    let sensors = session.sensors();
+    let mut lines = vec![format!(
+        "{} of {} mapped, from {}",
+        HumanCount(c.used),
+        count(c.read, "reading"),
+        count(session.survey.scans, "scan")
+    )];
+    let r = c.rejected;
+    let free = sensors.iter().map(|s| s.no_echo_range).fold(0.0, f64::max);
+    let silence = match free {
+        0.0 => "without echo (they free nothing: no_echo_range is 0)".into(),
+        _ => format!("without echo (each frees up to no_echo_range, {})", length(free)),
+    };
+    let limit = |value: fn(&Sensor) -> f64| common(sensors, value).map_or_else(|| "the sensor's".into(), length);
+    let beyond = format!(
+        "beyond hit_range ({}): echoes from so far are not trusted; --set hit_range={} takes all",
+        limit(|s| s.hit_range),
+        session.sensors().iter().map(|s| s.r_max).fold(0.0, f64::max)
+    );
+    let outside = if session.bounded() { "outside --bounds" } else { "that reach no cell's centre" };
+    for (count, what) in [
+        (c.no_echo, silence),
+        (r.beyond_hit_range, beyond),
+        (r.below_r_min, format!("nearer than r_min ({})", limit(|s| s.r_min))),
+        (r.not_a_number, "not a number".into()),
+        (r.negative, "negative".into()),
+        (c.outside, outside.into()),
+        (c.empty_arc, "whose echo lies in no cell's centre: they free only".into()),
+    ] {
+        if count > 0 {
+            lines.push(format!("  {} {what}", HumanCount(count)));
+        }
+    }
+    lines
+}
+
+/// A value that all sensors share.
+fn common(sensors: &[Sensor], value: fn(&Sensor) -> f64) -> Option<f64> {
+    let first = sensors.first().map(value)?;
+    sensors.iter().all(|s| value(s) == first).then_some(first)
+}
+
+/// A length as people write it: centimetres below a metre.
+fn length(metres: f64) -> String {
+    let (value, unit) = if metres.abs() < 1.0 { (100.0 * metres, "cm") } else { (metres, "m") };
+    let text = format!("{value:.2}");
+    format!("{} {unit}", text.trim_end_matches('0').trim_end_matches('.'))
+}
+
+/// Readings of a sonar in a scan from which it is a circle.
+const CIRCLE: u64 = 100;
+/// Sonars from which they are a ring.
+const RING: usize = 8;
+
+/// Whether another method, or another parameter, would serve the log better.
+fn advice(session: &Session) -> Option<String> {
+    let (sensors, settings) = (session.sensors(), session.method.settings());
+    let name = method::name(session.method.as_ref());
+    let general = matches!(
+        settings,
+        Settings::Certainty(_) | Settings::DempsterShafer(_) | Settings::Bayes(_) | Settings::Himm(_)
+    );
+    if !general {
+        return None;
+    }
+    if sensors.iter().all(|s| s.kind == Kind::Laser) {
+        return match settings {
+            Settings::Bayes(b) if b.likelihood() == Likelihood::Constant => None,
+            Settings::Bayes(_) => {
+                Some("hint: these are laser readings; --set model=constant, their default, keeps walls that murphy thins out".into())
+            }
+            _ => Some(format!("hint: these are laser readings, and {name} is made for sonars; --method bayes or csm-continuous fits")),
+        };
+    }
+    if sensors.iter().any(|s| s.kind == Kind::Laser) {
+        return Some(
+            "hint: this log holds sonars and lasers; --sensor laser, or --sensor sonar, maps one kind by what fits it"
+                .into(),
+        );
+    }
+    let a_scan = session.survey.counts.read / session.survey.scans.max(1);
+    let rings = if sensors.len() >= RING { Some("a ring of sonars") } else { None };
+    let what = if a_scan >= CIRCLE * sensors.len() as u64 { Some("circular scans") } else { rings };
+    what.map(|what| {
+        format!(
+            "hint: these are {what}; --method features finds the walls first, so that mirrored echoes free none of them \
+             (docs/methods.md)"
+        )
+    })
+}
