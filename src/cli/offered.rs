@@ -42,7 +42,7 @@ pub fn settings() -> Vec<String> {
 }
 
 fn values(key: &Key) -> Vec<String> {
-    let word = |text: &str| text.bytes().all(|b| b.is_ascii_lowercase());
+    let word = |text: &str| text.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
     match key.values.split('|').collect::<Vec<_>>() {
         words if words.len() > 1 && words.iter().all(|w| word(w)) => {
             words.iter().map(|w| format!("{}={w}", key.name)).collect()
