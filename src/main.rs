@@ -1,6 +1,5 @@
 //! The `echogrid` command: parse, run, print an error once, exit with its code.
 
-use clap::Parser;
 use echogrid::cli::Arguments;
 use std::io::Write;
 use std::process::ExitCode;
@@ -10,10 +9,12 @@ use tempfile::TempDir;
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    // Removed when this ends.
-    let _runtime = if arguments.seeks_adapters() { runtime_folder() } else { None };
-    match arguments.run() {
+    let run = |arguments: Arguments| {
+        // Removed when the command has ended.
+        let _runtime = if arguments.seeks_adapters() { runtime_folder() } else { None };
+        arguments.run()
+    };
+    match Arguments::of_program().and_then(|asked| asked.map_or(Ok(0), run)) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             // A reader that went away is no second error.

@@ -112,9 +112,11 @@ pub struct Verification {
     pub backends: Vec<BackendCheck>,
     /// Whether cpu and gpu gave the same bytes in every layer, where both ran.
     pub same_bytes: Option<bool>,
-    /// Backends that were asked for and could not run, and why.
+    /// Backends that were asked for and could not run, and why: what they would have given isn't known.
     pub skipped: Vec<String>,
-    /// Whether every backend passed.
+    /// Backends that the method doesn't have, and why.
+    pub absent: Vec<String>,
+    /// Whether every backend that was asked for, and that the method has, ran and passed.
     pub passed: bool,
 }
 
@@ -301,6 +303,25 @@ impl fmt::Display for Cell {
     }
 }
 
+impl Verification {
+    /// Whether a backend and the oracle differ.
+    pub fn differs(&self) -> bool {
+        self.backends.iter().any(|b| !b.passed)
+    }
+
+    /// The result in a line.
+    fn verdict(&self) -> String {
+        let ran: Vec<&str> = self.backends.iter().map(|b| b.backend.as_str()).collect();
+        match (self.differs(), self.skipped.is_empty()) {
+            (true, _) => "NOT EQUAL".into(),
+            (false, true) => "equal".into(),
+            (false, false) => {
+                format!("NOT VERIFIED: only oracle and {} were compared, and are equal", ran.join(" and "))
+            }
+        }
+    }
+}
+
 impl fmt::Display for Verification {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [width, height] = self.size;
@@ -348,9 +369,12 @@ impl fmt::Display for Verification {
         if let Some(same) = self.same_bytes {
             writeln!(f, "cpu and gpu: {}", if same { "the same bytes in every layer" } else { "not the same bytes" })?;
         }
+        for why in &self.absent {
+            writeln!(f, "{}", wrapped(why, 2))?;
+        }
         for why in &self.skipped {
             writeln!(f, "{}", wrapped(&format!("SKIPPED {why}"), 2))?;
         }
-        write!(f, "{}", if self.passed { "equal" } else { "NOT EQUAL" })
+        write!(f, "{}", self.verdict())
     }
 }

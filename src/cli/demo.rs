@@ -7,7 +7,7 @@ use crate::kernels::choose;
 use crate::log;
 use crate::mapper::BATCH;
 use crate::method::{REGISTRY, settings::Settings};
-use crate::output::{Folder, Report};
+use crate::output::{Folder, Report, Unfinished};
 use crate::score::{Numbers, Options, Score, Truth, open_map, score, write_report};
 use crate::sensor::Overrides;
 use crate::session::{Request, Session};
@@ -51,14 +51,9 @@ impl Demo {
         let unwritable = |e: std::io::Error| {
             Error::Resources(format!("{} can't be written: {e}; give another folder with -o", self.output.display()))
         };
-        std::fs::create_dir_all(&self.output).map_err(unwritable)?;
         let [file, log] = ["bend.toml", "bend.jsonl"].map(|name| self.output.join(name));
-        if [&file, &log].iter().any(|f| f.exists()) && std::fs::read_to_string(&file).ok().as_deref() != Some(WORLD) {
-            return Err(Error::Resources(format!(
-                "{} holds a bend.toml or a bend.jsonl that isn't the demo's: give another folder with -o",
-                self.output.display()
-            )));
-        }
+        self.check(&file)?;
+        std::fs::create_dir_all(&self.output).map_err(unwritable)?;
         std::fs::write(&file, WORLD).map_err(unwritable)?;
         let world = World::open(&file)?;
         let out = BufWriter::new(File::create(&log).map_err(unwritable)?);
@@ -72,12 +67,9 @@ impl Demo {
         say!("");
         say!("map                       backend      ms  M updates  accuracy  recall  precision  danger");
         let truth = Truth::of_world(world, None)?;
-        let methods = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth");
-        let runs =
-            methods.map(|m| (m.to_string(), m, None)).chain([(format!("bayes{}", NEAR.0), "bayes", Some(NEAR.1))]);
         let mut why = String::new();
         let mut scores: Vec<Score> = Vec::new();
-        for (name, method, hit_range) in runs {
+        for (name, method, hit_range) in runs() {
             let Some(settings) = Settings::of(method) else { continue };
             let overrides = Overrides { hit_range, ..Overrides::default() };
             let (report, ran) = self.map(&log, &name, settings, overrides)?;
@@ -97,6 +89,19 @@ impl Demo {
         Ok(0)
     }
 
+    /// Refuses a folder in which the demo would replace what isn't a demo's: names such as `bayes` may be those of the user's maps.
+    fn check(&self, world: &Path) -> Result<()> {
+        let ours = std::fs::read_to_string(world).is_ok_and(|text| text == WORLD);
+        let names = ["bend.toml", "bend.jsonl", "score"].map(String::from).into_iter().chain(runs().map(|run| run.0));
+        if let Some(name) = names.into_iter().find(|name| !ours && self.output.join(name).exists()) {
+            return Err(Error::Resources(format!(
+                "{} holds {name}, which isn't the demo's: give another folder with -o",
+                self.output.display()
+            )));
+        }
+        runs().try_for_each(|run| Folder::check(&self.output.join(run.0)))
+    }
+
     /// Maps the log, and tells on what.
     fn map(&self, log: &Path, name: &str, settings: Settings, overrides: Overrides) -> Result<(Report, Ran)> {
         let request = Request {
@@ -107,7 +112,8 @@ impl Demo {
             until: None,
             strict: true,
         };
-        let folder = Folder::prepare(&self.output.join(name))?;
+        // What a killed demo left there is soon made anew.
+        let folder = Folder::open(&self.output.join(name), Unfinished::Discard)?;
         interrupt::output(folder.path(), Vec::new(), false);
         let session = Session::open(log, &request)?;
         let started = Instant::now();
@@ -124,6 +130,12 @@ impl Demo {
         interrupt::finished(&folder.finish()?, unbroken);
         Ok((report, ran))
     }
+}
+
+/// The maps: each one's name, its method, and how far it trusts echoes.
+fn runs() -> impl Iterator<Item = (String, &'static str, Option<f64>)> {
+    let methods = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth");
+    methods.map(|m| (m.to_string(), m, None)).chain([(format!("bayes{}", NEAR.0), "bayes", Some(NEAR.1))])
 }
 
 /// One map's line.

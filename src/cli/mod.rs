@@ -11,6 +11,7 @@ mod generate;
 mod interrupt;
 mod map;
 mod offered;
+mod out;
 mod parameters;
 mod plan;
 mod score;
@@ -25,12 +26,9 @@ pub use interrupt::removes as remove_if_interrupted;
 use crate::Result;
 use clap::{Parser, Subcommand};
 
-/// Prints a line; a reader that went away is no error.
+/// Prints a line on standard output.
 macro_rules! say {
-    ($($text:tt)*) => {{
-        use std::io::Write;
-        let _ = writeln!(std::io::stdout(), $($text)*);
-    }};
+    ($($text:tt)*) => { $crate::cli::out::line(format_args!($($text)*)) };
 }
 use say;
 
@@ -90,6 +88,21 @@ enum Command {
 }
 
 impl Arguments {
+    /// The program's own arguments; `None`: help or the version was asked for, and printed.
+    ///
+    /// # Errors
+    /// [`Error::Resources`](crate::Error::Resources) if that can't be printed. Wrong arguments end the program with exit code 2.
+    pub fn of_program() -> Result<Option<Arguments>> {
+        match Arguments::try_parse() {
+            Ok(arguments) => Ok(Some(arguments)),
+            Err(wrong) if wrong.use_stderr() => wrong.exit(),
+            Err(asked) => {
+                out::keep(asked.print());
+                out::finish().map(|()| None)
+            }
+        }
+    }
+
     /// Whether the command looks for GPU adapters.
     pub fn seeks_adapters(&self) -> bool {
         use Command::{Bench, Demo, Doctor, Map, Plan, Verify};
@@ -97,12 +110,22 @@ impl Arguments {
     }
 
     /// Runs the command; the exit code where it did what it could. From its start on SIGINT and SIGTERM end the process.
+    ///
+    /// # Errors
+    /// The command's; [`Error::Resources`](crate::Error::Resources) if what it printed can't be written.
     pub fn run(self) -> Result<u8> {
         // To `view` Ctrl-C is the way to end it.
         if !matches!(self.command, Command::View(_)) {
             interrupt::listen();
         }
-        match self.command {
+        let code = self.command.run()?;
+        out::finish().map(|()| code)
+    }
+}
+
+impl Command {
+    fn run(self) -> Result<u8> {
+        match self {
             Command::Map(c) => c.run(),
             Command::Verify(c) => c.run(),
             Command::Compare(c) => c.run(),

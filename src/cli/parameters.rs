@@ -11,8 +11,8 @@ pub fn shown(key: &str, value: &str) -> String {
 fn one(key: &str, value: f64) -> String {
     match key {
         "beta" | "w_beam" => format!("{} deg", rounded(value.to_degrees())),
-        "resolution" | "r_min" | "r_max" | "hit_range" | "no_echo_range" | "epsilon" | "step" | "w_obstacle" | "z_max" | "l"
-        | "hold" => format!("{} m", rounded(value)),
+        "resolution" | "r_min" | "r_max" | "hit_range" | "no_echo_range" | "epsilon" | "step" | "w_obstacle"
+        | "z_max" | "l" | "hold" => format!("{} m", rounded(value)),
         _ => rounded(value),
     }
 }

@@ -59,7 +59,9 @@ impl Plan {
         let surveyed = started.elapsed().as_secs_f64();
         warn_of_log(&self.log, &session);
         warn_of_jump(&self.log, &session);
-        let Some(choice) = self.backend.choice() else { return self.resident(&session, self.oracle(&session, surveyed)?) };
+        let Some(choice) = self.backend.choice() else {
+            return self.resident(&session, self.oracle(&session, surveyed)?);
+        };
         let chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
         let Some(rounds) = session.method.rounds() else { return self.resident(&session, None) };
         let started = Instant::now();
@@ -219,7 +221,8 @@ impl Plan {
                     whole::EDGE,
                 ),
             );
-            let disk = if shown.spilled > 0 { format!("; {} of them on disk", show(shown.spilled)) } else { String::new() };
+            let disk =
+                if shown.spilled > 0 { format!("; {} of them on disk", show(shown.spilled)) } else { String::new() };
             item(
                 "",
                 &format!(

@@ -5,7 +5,7 @@ use crate::score::{Check, Options, Requirement, Score, Truth, open_map, score, t
 use crate::{Error, Result};
 use clap::ValueHint;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The widest tolerance, cells.
 const WIDEST: u64 = 50;
@@ -43,6 +43,7 @@ impl Command {
     /// Scores the maps; 1 if a requirement does not hold.
     pub fn run(self) -> Result<u8> {
         let options = Options { tolerance: self.tolerance as usize, decide: self.decide()? };
+        self.output.as_deref().map_or(Ok(()), check)?;
         let truth = Truth::open(&self.truth, self.r_max)?;
         let mut scores: Vec<Score> = Vec::new();
         for path in &self.maps {
@@ -84,6 +85,23 @@ impl Command {
             Some(&[high, low]) if 0.0 <= low && low <= high && high <= 1.0 => Ok(Some((high, low))),
             Some(_) => Err(Error::Usage("--decide takes HIGH,LOW, such as 0.6,0.4: 0 <= LOW <= HIGH <= 1".into())),
         }
+    }
+}
+
+/// Refuses a folder that holds files of a report's names without being an earlier report: they would be written over.
+fn check(folder: &Path) -> Result<()> {
+    let page = std::fs::read_to_string(folder.join("score.html"));
+    if page.is_ok_and(|page| page.contains("<title>echogrid score</title>")) {
+        return Ok(());
+    }
+    let ours = |name: &str| name == "score.html" || name.ends_with(".errors.png") || name.ends_with(".levels.svg");
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    match names.filter_map(|entry| entry.file_name().into_string().ok()).find(|name| ours(name)) {
+        None => Ok(()),
+        Some(name) => Err(Error::Resources(format!(
+            "{} holds {name}, which isn't an earlier score's: give another folder with -o",
+            folder.display()
+        ))),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::world::{Rig, World, simulate};
 use crate::{Error, Result};
 use clap::ValueHint;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tempfile::NamedTempFile;
@@ -103,6 +103,13 @@ impl Target {
         if path.is_dir() {
             return Err(Error::Resources(format!("{} is a folder: give a file with -o", path.display())));
         }
+        if !replaceable(path).map_err(|e| unwritable(path, e))? {
+            let what = "it is no log of echogrid's, so it is left as it is";
+            return Err(Error::Resources(format!(
+                "{} can't be the log: {what}; give another file with -o",
+                path.display()
+            )));
+        }
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = path.file_name().unwrap_or_default();
         let file = tempfile::Builder::new().prefix(name).suffix(".partial").make_in(folder, |p| File::create_new(p));
@@ -137,6 +144,17 @@ impl Write for Target {
             Target::File(out) => out.flush(),
         }
     }
+}
+
+/// Whether a log may take a file's place: there is none, or it is empty, or it begins as echogrid's own logs do.
+fn replaceable(path: &Path) -> io::Result<bool> {
+    const BEGIN: &[u8] = b"{\"echogrid_log\"";
+    let mut begin = Vec::new();
+    match File::open(path) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(true),
+        file => file?.take(BEGIN.len() as u64).read_to_end(&mut begin)?,
+    };
+    Ok(begin.is_empty() || begin == BEGIN)
 }
 
 fn unwritable(path: &Path, cause: impl std::fmt::Display) -> Error {

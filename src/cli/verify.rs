@@ -47,8 +47,26 @@ pub struct Verify {
     quiet: bool,
 }
 
+/// What can be compared with the oracle.
+#[derive(Default)]
+struct Opened {
+    backends: Vec<Chosen>,
+    /// What was asked for and can't run, and why.
+    skipped: Vec<String>,
+    /// What the method doesn't have, and why.
+    absent: Vec<String>,
+}
+
+/// Why backends are missing, and what compares the others.
+fn without(missing: &[String]) -> String {
+    format!("{}; `--backends oracle,cpu` compares without it", missing.join("; "))
+}
+
 impl Verify {
     /// Compares the backends; 1 if one is not equal.
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`] where one that was asked for couldn't run: that is no equality.
     pub fn run(self) -> Result<u8> {
         let sign = spinner("reading", self.quiet || self.json);
         let session = self.log.session()?;
@@ -59,7 +77,7 @@ impl Verify {
         let readings = session.survey.counts.used * 200;
         session.check_memory(2 * session.memory(self.log.batch) + oracle_cells + readings, self.memory)?;
         warn_of_jump(&self.log, &session);
-        let (backends, skipped) = self.open(&session)?;
+        let Opened { backends, skipped, absent } = self.open(&session)?;
         let started = Instant::now();
         let hidden = self.quiet || self.json;
         let sign = spinner("reference", hidden);
@@ -74,6 +92,7 @@ impl Verify {
             backends: Vec::new(),
             same_bytes: None,
             skipped,
+            absent,
             passed: true,
         };
         let mut maps: Vec<Finished> = Vec::new();
@@ -97,7 +116,7 @@ impl Verify {
             self.draw(&session, &oracle, &result, &mapped.finished)?;
             maps.push(mapped.finished);
         }
-        result.passed = result.backends.iter().all(|b| b.passed);
+        result.passed = !result.differs() && result.skipped.is_empty();
         if let [a, b] = &maps[..] {
             result.same_bytes = Some(same_bytes(a, b));
         }
@@ -107,42 +126,46 @@ impl Verify {
             say!("{result}");
         }
         if hidden {
-            for why in &result.skipped {
-                note!("SKIPPED {why}");
-            }
+            result.absent.iter().for_each(|why| note!("{why}"));
         }
         if self.quiet {
             for b in result.backends.iter().filter(|b| !b.passed) {
                 note!("{} and the oracle are NOT EQUAL", b.backend);
             }
         }
-        Ok(if result.passed { done(&session) } else { 1 })
+        match result.skipped.as_slice() {
+            _ if result.differs() => Ok(1),
+            [] => Ok(done(&session)),
+            skipped => Err(Error::NoAdapter(format!("not verified: {}", without(skipped)))),
+        }
     }
 
-    /// The backends to compare, and why others are skipped: an adapter that is missing is told before the long run.
-    fn open(&self, session: &Session) -> Result<(Vec<Chosen>, Vec<String>)> {
-        let (mut backends, mut skipped) = (Vec::new(), Vec::new());
+    /// The backends to compare: an adapter that is missing is found before the long run.
+    fn open(&self, session: &Session) -> Result<Opened> {
+        let mut opened = Opened::default();
         for (kind, choice) in [(Checked::Cpu, Choice::Cpu), (Checked::Gpu, Choice::Gpu)] {
             if !self.backends.contains(&kind) {
                 continue;
             }
-            match choose(choice, session.method.as_ref(), self.log.threads) {
-                Ok(chosen) => backends.push(chosen),
+            match (choose(choice, session.method.as_ref(), self.log.threads), session.method.cpu_only()) {
+                (Ok(chosen), _) => opened.backends.push(chosen),
                 // What no adapter could do is no missing adapter.
-                Err(Error::NoAdapter(why)) if !gpu_required() || session.method.cpu_only().is_some() => {
-                    skipped.push(format!("gpu: {why}"));
+                (Err(Error::NoAdapter(_)), Some(why)) => {
+                    opened
+                        .absent
+                        .push(format!("gpu: there is none for this method: {why}; oracle and cpu are all there is"));
                 }
-                Err(e) => return Err(e),
+                (Err(Error::NoAdapter(why)), None) if !gpu_required() => opened.skipped.push(format!("gpu: {why}")),
+                (Err(e), _) => return Err(e),
             }
         }
-        if !backends.is_empty() {
-            return Ok((backends, skipped));
+        if !opened.backends.is_empty() {
+            return Ok(opened);
         }
-        Err(match skipped.join("; ") {
-            why if why.is_empty() => {
-                Error::Usage("the oracle alone proves nothing: give --backends cpu, gpu or both".into())
-            }
-            why => Error::NoAdapter(format!("there is nothing to verify: {why}; or give --backends cpu")),
+        let missing = [opened.skipped, opened.absent].concat();
+        Err(match missing.is_empty() {
+            true => Error::Usage("the oracle alone proves nothing: give --backends cpu, gpu or both".into()),
+            false => Error::NoAdapter(format!("there is nothing to verify: {}", without(&missing))),
         })
     }
 

@@ -2,14 +2,13 @@
 
 use super::common::{LogArguments, note_bad_lines, tell_idle, tell_notes};
 use super::offered::{Offered, methods};
-use super::{note, say};
+use super::{note, out, say};
 use crate::output::seems_map;
 use crate::view::log::{self, LogView, Wanted};
 use crate::view::map::{Beside, MapView};
 use crate::view::{Options, Server, View, serve};
 use crate::{Error, Result, memory};
 use clap::ValueHint;
-use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -125,9 +124,10 @@ impl Command {
         Ok(Arc::new(view))
     }
 
-    fn announce(&self, server: &Server) {
+    fn announce(&self, server: &Server) -> Result<()> {
         say!("{}", server.address());
-        let _ = std::io::stdout().flush();
+        // A page whose address nobody can read is of no use.
+        out::finish()?;
         let port = server.port();
         if self.bind.is_loopback() {
             note!("from another machine: ssh -L {port}:127.0.0.1:{port} HOST, then open the same address there");
@@ -135,5 +135,6 @@ impl Command {
             note!("it listens on {}: whoever has the address can look, and nothing is encrypted", self.bind);
         }
         note!("Ctrl-C ends it");
+        Ok(())
     }
 }

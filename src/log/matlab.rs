@@ -5,6 +5,7 @@
 
 use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose, lasers_only, quote};
 use super::input::Input;
+use super::lines::unreadable;
 use super::{BadLine, Problem};
 use crate::classes::Classes;
 use crate::reading::{Pose, Record};
@@ -43,7 +44,7 @@ impl Format for Matlab {
         let fail = |what: String| Error::input(input.path(), what);
         let mut bytes = Vec::new();
         let read = input.reader()?.take(array::LARGEST + 1).read_to_end(&mut bytes);
-        read.map_err(|e| fail(format!("can't be read: {e}")))?;
+        read.map_err(|e| unreadable(input.path(), None, &e))?;
         if bytes.starts_with(b"MATLAB 7.3") {
             let what = "is a version 7.3 file (HDF5): load it in MATLAB and save it with save(name, '-v7')";
             return Err(fail(what.into()));

@@ -3,10 +3,12 @@
 //! One file a format (see `format.rs` for the registry); `docs/formats.md` describes them for users. A log hands out
 //! [`Record`](crate::reading::Record)s as they were read; [`judge`](crate::reading::judge) decides what they are worth.
 
+mod bytes;
 mod carmen;
 mod csv;
 mod fields;
 mod format;
+mod gzip;
 mod input;
 mod jsonl;
 mod lines;
@@ -155,7 +157,13 @@ impl Log {
 
     /// What a user should know of how it is read, in whole sentences; complete after the first pass over it.
     pub fn notes(&self) -> Vec<String> {
-        self.source.notes()
+        let inputs = self.source.inputs();
+        let of = |input: &&Input| -> Vec<String> {
+            let name = input.path().file_name().unwrap_or_default().display();
+            let whose = if inputs.len() > 1 { format!("{name}: ") } else { String::new() };
+            input.notes().into_iter().map(|note| format!("{whose}{note}")).collect()
+        };
+        self.source.notes().into_iter().chain(inputs.iter().flat_map(of)).collect()
     }
 
     /// A pass over its records, from the start; as many as are wanted, also at the same time.

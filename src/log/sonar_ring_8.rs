@@ -96,6 +96,14 @@ impl Source for Folder {
         true
     }
 
+    fn notes(&self) -> Vec<String> {
+        let growing = self.readings.grown() || self.poses.grown();
+        growing
+            .then(|| "rows at the end of one file that have no partner in the other yet are left out".into())
+            .into_iter()
+            .collect()
+    }
+
     fn inputs(&self) -> Vec<&Input> {
         vec![&self.readings, &self.poses]
     }

@@ -33,8 +33,7 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
     }
     let unreadable = |e: super::zarr::Cause| Error::input(path.join(STORE), format!("it can't be read: {e}"));
     let text = std::fs::read(REPORT.at(path)).map_err(|e| Error::input(path, e.to_string()))?;
-    let stored: Value =
-        serde_json::from_slice(&text).map_err(|e| Error::input(REPORT.at(path), e.to_string()))?;
+    let stored: Value = serde_json::from_slice(&text).map_err(|e| Error::input(REPORT.at(path), e.to_string()))?;
     let reader = Reader::open(&path.join(STORE)).map_err(unreadable)?;
     let mut found = Checked { layers: reader.names().len(), ..Checked::default() };
     for (k, name) in reader.names().iter().enumerate() {

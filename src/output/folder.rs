@@ -181,7 +181,8 @@ pub(super) fn leftovers(target: &Path) -> Vec<PathBuf> {
 fn recover(target: &Path) -> Result<()> {
     for old in leftovers(target) {
         if is_map(target) {
-            let unremovable = |e: std::io::Error| unusable(&old, &format!("it is an old map that can't be removed: {e}"));
+            let unremovable =
+                |e: std::io::Error| unusable(&old, &format!("it is an old map that can't be removed: {e}"));
             let contents = Contents::of(&old, false).map_err(unremovable)?;
             if let Some(foreign) = contents.foreign() {
                 let what = format!("a killed run left {}, which holds {foreign}, not the map's", old.display());

@@ -19,8 +19,8 @@ mod zarr;
 
 pub use check::{Checked, check};
 pub use features::write_features;
-pub use folder::{Folder, Unfinished};
 pub(crate) use folder::seems_map;
+pub use folder::{Folder, Unfinished};
 pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
 pub use ros::read_ros;

@@ -69,10 +69,12 @@ pub(crate) const STORE: &str = "map.zarr";
 /// Every name that the report of a map of these layers may list, sorted.
 pub(super) fn of(layers: &[String]) -> Vec<String> {
     let listed = MAP.iter().filter(|name| !name.0.contains(['/', '#']) && name.0 != MARKER.0);
-    let mut all: Vec<String> = listed.flat_map(|name| match name.0.contains('*') {
-        true => layers.iter().map(|layer| name.of(layer)).collect(),
-        false => vec![name.0.to_string()],
-    }).collect();
+    let mut all: Vec<String> = listed
+        .flat_map(|name| match name.0.contains('*') {
+            true => layers.iter().map(|layer| name.of(layer)).collect(),
+            false => vec![name.0.to_string()],
+        })
+        .collect();
     all.sort();
     all.dedup();
     all
@@ -166,9 +168,22 @@ mod tests {
             assert_eq!(kind(folder), Some(Kind::Folder), "{folder}");
         }
         for foreign in [
-            "notes.txt", "other.png", "class.PNG", "class.png/x", "class", "working-x.png", "working-01.png", "working-.png",
-            "map.zarr/other", "map.zarr/class/c/0/1/2", "map.zarr/class/notes", "map.zarr/c", "run.json", "class.canvas",
-            ".DS_Store", "map.zarr/.zgroup",
+            "notes.txt",
+            "other.png",
+            "class.PNG",
+            "class.png/x",
+            "class",
+            "working-x.png",
+            "working-01.png",
+            "working-.png",
+            "map.zarr/other",
+            "map.zarr/class/c/0/1/2",
+            "map.zarr/class/notes",
+            "map.zarr/c",
+            "run.json",
+            "class.canvas",
+            ".DS_Store",
+            "map.zarr/.zgroup",
         ] {
             assert_eq!(kind(foreign), None, "{foreign}");
         }

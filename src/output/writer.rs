@@ -2,7 +2,8 @@
 //! then noted, so that a run that was killed goes on after the last one that was noted.
 
 use super::names::{
-    self, CANVAS, FEATURES, FEATURES_PICTURE, FOUND, LAYER_ARRAY, LAYER_PICTURE, OVERVIEW_CANVAS, PICTURE, PROGRESS, REPORT, RUN, STORE,
+    self, CANVAS, FEATURES, FEATURES_PICTURE, FOUND, LAYER_ARRAY, LAYER_PICTURE, OVERVIEW_CANVAS, PICTURE, PROGRESS,
+    REPORT, RUN, STORE,
 };
 use super::raster::{Block, Raster};
 use super::report::{self, Tally};
@@ -89,13 +90,7 @@ impl MapWriter {
         let array = |h: &Layer| npy::open(&place.join(LAYER_ARRAY.of(&h.name)), &outline.grid, &h.data, resume);
         let arrays = if outline.npy { &outline.heads[..] } else { &[] };
         let mut writer = MapWriter {
-            store: zarr::Store::open(
-                &place.join(STORE),
-                &outline.grid,
-                &outline.heads,
-                &outline.combined,
-                levels,
-            )?,
+            store: zarr::Store::open(&place.join(STORE), &outline.grid, &outline.heads, &outline.combined, levels)?,
             pgm: ros::open(place, &outline.grid, resume)?,
             arrays: arrays.iter().map(array).collect::<Result<_>>()?,
             levels: (0..levels).map(level).collect::<Result<_>>()?,
@@ -201,7 +196,7 @@ impl MapWriter {
             .collect();
         let tallies = places(&outline.grid).filter_map(|at| self.done.get(&at).or(unreached.get(&at)));
         let mut report = Report::of(&outline.grid, &outline.method, &outline.heads, tallies, info);
-        report.files = self.files(info);
+        report.files = files(&self.place, outline, info);
         let mut attributes = zarr::attributes(&outline.grid, &outline.method, &outline.heads, info);
         attributes.insert("updates".into(), report.updates.into());
         self.store.close(attributes)?;
@@ -218,17 +213,15 @@ impl MapWriter {
     }
 }
 
-impl MapWriter {
-    /// The map's files but for those of [`write_working`](super::write_working): what is written, and what its features will be.
-    fn files(&self, info: &RunInfo) -> Vec<String> {
-        let layers: Vec<String> = self.outline.heads.iter().map(|h| h.name.clone()).collect();
-        let features = [FEATURES, FEATURES_PICTURE].map(|name| name.at(&self.place));
-        let there = |name: &String| {
-            let path = self.place.join(name);
-            path.is_file() || path == REPORT.at(&self.place) || (info.features.is_some() && features.contains(&path))
-        };
-        names::of(&layers).into_iter().filter(there).collect()
+/// The map's files but for those of [`write_working`](super::write_working): what is written, and what its features will be.
+fn files(place: &Path, outline: &Outline, info: &RunInfo) -> Vec<String> {
+    let layers: Vec<String> = outline.heads.iter().map(|h| h.name.clone()).collect();
+    let mut later = vec![REPORT.at(place)];
+    if info.features.is_some() {
+        later.extend([FEATURES, FEATURES_PICTURE].map(|name| name.at(place)));
     }
+    let there = |path: PathBuf| path.is_file() || later.contains(&path);
+    names::of(&layers).into_iter().filter(|name| there(place.join(name))).collect()
 }
 
 /// Whether something lies in a partial folder with which `--resume` would go on: finished chunks, or what the rounds before

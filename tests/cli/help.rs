@@ -12,7 +12,20 @@ const LOG: [&str; 9] =
 fn options() -> Vec<(&'static str, Vec<&'static str>)> {
     let log = |more: &[&'static str]| [&LOG[..], &["--threads"], more].concat();
     vec![
-        ("map", log(&["--output", "--backend", "--memory", "--resume", "--working", "--npy", "--json", "--quiet"])),
+        (
+            "map",
+            log(&[
+                "--output",
+                "--backend",
+                "--memory",
+                "--resume",
+                "--overwrite",
+                "--working",
+                "--npy",
+                "--json",
+                "--quiet",
+            ]),
+        ),
         ("verify", log(&["--backends", "--pictures", "--memory", "--json", "--quiet"])),
         ("simulate", vec!["--output", "--seed", "--rig", "--scans", "--bounces", "--no-specular", "--threads"]),
         ("truth", vec!["--output", "--resolution", "--bounds", "--r-max", "--quiet"]),
@@ -59,8 +72,16 @@ fn every_subcommand_explains_its_options() {
         assert!(overview.lines().any(|l| l.trim_start().starts_with(&format!("{command} "))), "{command}: {overview}");
     }
     let overview = overview.split_whitespace().collect::<Vec<_>>().join(" ");
-    for code in ["0 done", "1 differs", "2 bad usage", "3 bad input", "4 no adapter", "5 out of memory", "6 done, but", "130 ended by Ctrl-C"]
-    {
+    for code in [
+        "0 done",
+        "1 differs",
+        "2 bad usage",
+        "3 bad input",
+        "4 no adapter",
+        "5 out of memory",
+        "6 done, but",
+        "130 ended by Ctrl-C",
+    ] {
         assert!(overview.contains(code), "{code}: {overview}");
     }
     assert_eq!(place.does(&["--version"]).out, format!("echogrid {}\n", env!("CARGO_PKG_VERSION")));

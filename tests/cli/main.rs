@@ -13,6 +13,7 @@ mod features;
 mod labels;
 mod map;
 mod outputs;
+mod printing;
 mod repeat;
 mod resume;
 mod sensors;

@@ -19,6 +19,7 @@ fn the_report_holds_all_that_the_documentation_lists() {
         "bad_lines",
         "busy",
         "cells",
+        "files",
         "layers",
         "log",
         "method",
@@ -151,6 +152,10 @@ fn the_folder() {
     more.extend(["working-2.json", "working-2.png"].map(str::to_string));
     more.sort();
     assert_eq!(place.names("out"), more);
+    // The report lists them, but for the store and what was written after it.
+    let listed = place.report("out")["files"].clone();
+    more.retain(|name| name != "map.zarr" && !name.starts_with("working-"));
+    assert_eq!(listed, json!(more));
     let working: Value = serde_json::from_slice(&std::fs::read(place.path("out/working-2.json")).unwrap()).unwrap();
     assert_eq!((&working["reading"]["line"], &working["reading"]["range"]), (&json!(3), &json!(2.0)));
     assert_eq!(working["method"], "bayes");

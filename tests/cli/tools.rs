@@ -18,15 +18,29 @@ fn verify_passes_for_every_method() {
     place.write("both.jsonl", BOTH);
     for entry in REGISTRY {
         let kind = if entry.name == "truth" { "laser" } else { "sonar" };
-        let ran = place.does(&["verify", "both.jsonl", "--method", entry.name, "--sensor", kind, "--json"]);
+        let ran = place.run(&["verify", "both.jsonl", "--method", entry.name, "--sensor", kind, "--json"]);
         let found = ran.json();
         assert_eq!(
             keys(&found),
-            ["backends", "method", "oracle_seconds", "passed", "readings", "same_bytes", "size", "skipped", "updates"]
+            [
+                "absent",
+                "backends",
+                "method",
+                "oracle_seconds",
+                "passed",
+                "readings",
+                "same_bytes",
+                "size",
+                "skipped",
+                "updates"
+            ]
         );
+        // Without any adapter only the oracle and the cpu are compared, and that proves too little.
+        let whole = found["skipped"] == json!([]);
+        assert_eq!(ran.code, if whole { 0 } else { 4 }, "{ran:?}");
         assert_eq!(
             (&found["method"], &found["passed"], &found["readings"]),
-            (&json!(entry.name), &json!(true), &json!(2))
+            (&json!(entry.name), &json!(whole), &json!(2))
         );
         assert!(found["updates"].as_u64().unwrap() > 10, "{found}");
         let backends = found["backends"].as_array().unwrap();
@@ -260,7 +274,10 @@ fn bench_gives_figures_for_every_method() {
         place.does(&["bench", "log.jsonl", "-m", "himm,bayes", "--backends", "cpu", "--readings", "20", "--runs", "2"]);
     let lines: Vec<&str> = ran.out.lines().collect();
     assert!(lines[0].starts_with("cpu: "), "{}", lines[0]);
-    assert_eq!(lines[2].split_whitespace().collect::<Vec<_>>().join(" "), "M updates k readings whole binning per of the limit");
+    assert_eq!(
+        lines[2].split_whitespace().collect::<Vec<_>>().join(" "),
+        "M updates k readings whole binning per of the limit"
+    );
     let heads = ["workload", "a", "second", "a", "second", "ms", "ms", "update", "whole", "in", "kernels"];
     assert_eq!(lines[3].split_whitespace().collect::<Vec<_>>(), heads);
     assert!(lines[1].starts_with("at most ") && lines[1].contains(" GFLOP/s (fused), "), "{}", lines[1]);

@@ -79,14 +79,18 @@ impl Drivers {
         let filter = FILTERS.iter().find(|name| std::env::var_os(name).is_some());
         match (broken.is_empty(), self.named_by, filter) {
             (false, Some(name), _) => {
-                format!("{name} names no driver that can be used ({broken}): mend it or unset {name}; {DEBUG}; or use --backend cpu")
+                format!(
+                    "{name} names no driver that can be used ({broken}): mend it or unset {name}; {DEBUG}; or use --backend cpu"
+                )
             }
             (false, None, _) => format!(
                 "a Vulkan driver's file is broken ({broken}): mend it or take it away, or name the drivers to use by \
                  VK_DRIVER_FILES; {DEBUG}; or use --backend cpu"
             ),
             (true, _, Some(name)) => {
-                format!("{name} is set, and leaves out every driver that finds one: unset it; {DEBUG}; or use --backend cpu")
+                format!(
+                    "{name} is set, and leaves out every driver that finds one: unset it; {DEBUG}; or use --backend cpu"
+                )
             }
             (true, Some(name), None) if self.manifests.is_empty() => {
                 format!("{name} names no driver's file: mend it or unset it; {DEBUG}; or use --backend cpu")
@@ -222,7 +226,10 @@ mod tests {
             ("{\"ICD\":{\"library_path\":7}}", "it names no library (ICD.library_path)"),
             ("{\"ICD\":{\"library_path\":\"./none.so\"}}", "none.so isn't there"),
             ("{\"ICD\":{\"library_path\":\"/nowhere/none.so\"}}", "its library /nowhere/none.so isn't there"),
-            ("{\"ICD\":{\"library_path\":\"libnosuchthing.so\"}}", "libnosuchthing.so can't be used (libnosuchthing.so: cannot open"),
+            (
+                "{\"ICD\":{\"library_path\":\"libnosuchthing.so\"}}",
+                "libnosuchthing.so can't be used (libnosuchthing.so: cannot open",
+            ),
             ("{\"ICD\":{\"library_path\":\"./text.so\"}}", "text.so can't be used ("),
             ("{\"ICD\":{\"library_path\":\"libc.so.6\"}}", "libc.so.6 can't be used (it is no Vulkan driver)"),
         ] {
@@ -263,7 +270,11 @@ mod tests {
         let none = Drivers::default();
         for (drivers, begins, ends) in [
             (none.clone(), "install a GPU driver with Vulkan", "or use --backend cpu"),
-            (Drivers { no_loader: Some("libvulkan.so.1: …".into()), ..none.clone() }, "the Vulkan loader can't be opened (lib", "cpu"),
+            (
+                Drivers { no_loader: Some("libvulkan.so.1: …".into()), ..none.clone() },
+                "the Vulkan loader can't be opened (lib",
+                "cpu",
+            ),
             (
                 Drivers { named_by: Some("VK_DRIVER_FILES"), manifests: vec![broken.clone()], ..none.clone() },
                 "VK_DRIVER_FILES names no driver that can be used (/x/a.json: it is not JSON (…)): mend it or unset VK_DRIVER_FILES",
@@ -274,7 +285,11 @@ mod tests {
                 "a Vulkan driver's file is broken (/x/a.json: it is not JSON (…)): mend it or take it away, or name",
                 "; VK_LOADER_DEBUG=error shows what the Vulkan loader says; or use --backend cpu",
             ),
-            (Drivers { manifests: vec![fine], ..none }, "the Vulkan drivers find none here (/x/b.json); VK_LOADER", "cpu"),
+            (
+                Drivers { manifests: vec![fine], ..none },
+                "the Vulkan drivers find none here (/x/b.json); VK_LOADER",
+                "cpu",
+            ),
         ] {
             let why = drivers.why_none();
             assert!(why.starts_with(begins) && why.ends_with(ends), "{why}");
