@@ -60,6 +60,16 @@ pub fn shows(bar: &ProgressBar) {
     now().bar = Some(bar.clone());
 }
 
+/// Prints something while a bar may be on the screen: the bar is taken away and drawn again.
+pub fn aside(print: impl FnOnce()) {
+    // Who holds the lock has taken the bar away.
+    let bar = NOW.try_lock().ok().and_then(|now| now.bar.clone());
+    match bar.filter(|b| !b.is_finished()) {
+        Some(bar) => bar.suspend(print),
+        None => print(),
+    }
+}
+
 /// A file or a folder that goes when a signal ends the command.
 pub fn removes(path: &Path) {
     now().temporary.push(path.into());

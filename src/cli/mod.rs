@@ -36,7 +36,10 @@ use say;
 macro_rules! note {
     ($($text:tt)*) => {{
         use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "echogrid: {}", format_args!($($text)*));
+        let text = format!($($text)*);
+        $crate::cli::interrupt::aside(|| {
+            let _ = writeln!(std::io::stderr(), "echogrid: {text}");
+        });
     }};
 }
 use note;

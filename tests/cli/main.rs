@@ -17,5 +17,6 @@ mod printing;
 mod repeat;
 mod resume;
 mod sensors;
+mod terminal;
 mod tools;
 mod worlds;
