@@ -195,8 +195,10 @@ const SYNONYMS: &[(&[&str], &[&str], &str)] = &[
     (&["angle_min", "first_angle", "start", "start_angle"], &["first"], ""),
     (&["count", "num_beams", "n_beams", "number_of_beams", "rays"], &["beams"], ""),
     // A method's parameters.
-    (&["prob_hit", "hit_prob", "hit_probability", "p_occ"], &["p_hit", "p_occupied"], ""),
-    (&["prob_miss", "miss_prob", "miss_probability", "p_free", "p_emp"], &["p_miss", "p_empty"], ""),
+    (&["prob_hit", "hit_prob", "hit_probability"], &["p_hit"], ""),
+    (&["prob_miss", "miss_prob", "miss_probability"], &["p_miss"], ""),
+    (&["p_occ", "prob_occ", "prob_occupied"], &["p_occupied"], ""),
+    (&["p_free", "p_emp", "prob_free", "prob_empty"], &["p_empty"], ""),
     (&["occupied_thresh", "occ_thresh", "occupied_threshold", "occ_threshold", "occupied"], &["p_occupied"], ""),
     (&["free_thresh", "free_threshold", "empty_threshold", "free", "empty"], &["p_empty"], ""),
     (&["growth", "growth_rate", "growth_rate_operator"], &["gro"], ""),

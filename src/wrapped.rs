@@ -6,13 +6,13 @@ pub(crate) const COLUMNS: usize = 100;
 /// A text in lines, broken between words; those after the first are indented. A word longer than a line stays whole.
 pub(crate) fn wrapped(text: &str, indent: usize) -> String {
     let (mut all, mut column) = (String::new(), 0);
-    for word in text.split(' ') {
+    for (k, word) in text.split(' ').enumerate() {
         let length = word.chars().count();
         if column > indent && column + 1 + length > COLUMNS {
             all += "\n";
             all += &" ".repeat(indent);
             column = indent;
-        } else if !all.is_empty() {
+        } else if k > 0 {
             all += " ";
             column += 1;
         }
@@ -33,6 +33,8 @@ mod tests {
         assert_eq!(lines[0], format!("memory    {}", "word ".repeat(18).trim_end()));
         assert!(lines[1].starts_with("          word word") && lines[1].len() <= COLUMNS);
         assert_eq!(lines.last().unwrap().trim_start(), "x".repeat(120));
-        assert_eq!(wrapped("short", 4), "short");
+        assert_eq!((wrapped("short", 4), wrapped("  short", 4)), ("short".into(), "  short".into()));
+        let indented = wrapped(&format!("          {}", "word ".repeat(40)), 10);
+        assert!(indented.lines().all(|l| l.starts_with("          word")), "{indented}");
     }
 }

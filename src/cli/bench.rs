@@ -17,7 +17,7 @@ use std::path::PathBuf;
 /// Characters of a workload's name in the table, and where a column tells how fast it was before.
 const LONGEST: [usize; 2] = [30, 22];
 /// Widths of the columns after it.
-const WIDTHS: [usize; 8] = [10, 10, 8, 8, 8, 12, 12, 8];
+const WIDTHS: [usize; 8] = [10, 11, 8, 8, 7, 12, 12, 8];
 
 /// What the columns tell.
 const LEGEND: &str = "

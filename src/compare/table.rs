@@ -42,9 +42,10 @@ impl fmt::Display for Comparison {
     }
 }
 
-/// A difference to four digits.
+/// A difference to four digits, a whole number as it is.
 fn largest(difference: f64) -> String {
-    if difference == 0.0 { "0".into() } else { format!("{difference:.3e}") }
+    let whole = difference.fract() == 0.0 && difference < 1e9;
+    if whole { format!("{difference:.0}") } else { format!("{difference:.3e}") }
 }
 
 /// A value in as few digits as tell it from every other of its type: layers hold no more than an f32.

@@ -5,7 +5,7 @@
 use crate::common::Place;
 use std::process::{Command, Stdio};
 
-/// What `script` records of a command on a terminal of so many columns, without the escape sequences; none, loudly, where there is no
+/// What `script` records of a command on a terminal of so many columns, escape sequences but for colours as `\r`; none, loudly, where there is no
 /// `script`.
 fn on_terminal(place: &Place, columns: usize, command: &str) -> Option<String> {
     let program = env!("CARGO_BIN_EXE_echogrid");
@@ -23,6 +23,7 @@ fn on_terminal(place: &Place, columns: usize, command: &str) -> Option<String> {
     shown += pieces.next().unwrap_or_default();
     for piece in pieces {
         let end = piece.find(|c: char| c.is_ascii_alphabetic()).map_or(piece.len(), |at| at + 1);
+        shown += if piece[..end].ends_with('m') { "" } else { "\r" };
         shown += &piece[end..];
     }
     Some(shown)
@@ -67,7 +68,7 @@ fn an_interrupted_bar_does_not_garble_what_is_said() {
     let place = campus();
     let map = "echogrid map campus.jsonl -o out -m certainty -r 0.01 --backend cpu";
     let Some(shown) = on_terminal(&place, 60, &format!("timeout --foreground -s INT 2 {map}; echo code $?")) else { return };
-    let lines: Vec<&str> = shown.split('\n').map(|l| l.trim_end_matches('\r')).collect();
+    let lines: Vec<&str> = shown.split('\n').map(|l| l.trim_matches('\r')).collect();
     let said = lines.iter().position(|l| l.contains("interrupted: "));
     let said = said.unwrap_or_else(|| panic!("{shown:?}"));
     let message = lines[said].rsplit('\r').next().unwrap();
