@@ -2,7 +2,7 @@
 
 use super::common::BackendArgument;
 use super::map::{Ran, save};
-use super::say;
+use super::{interrupt, say};
 use crate::kernels::choose;
 use crate::log;
 use crate::mapper::BATCH;
@@ -13,6 +13,7 @@ use crate::sensor::Overrides;
 use crate::session::{Request, Session};
 use crate::world::{Shipped, World, simulate};
 use crate::{Error, Result};
+use clap::ValueHint;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -36,7 +37,7 @@ bayes-2m trusts none from beyond 2 m (--set hit_range=2), and is the safer for i
 #[derive(Debug, clap::Args)]
 pub struct Demo {
     /// Folder for the world, the log, the maps and the scores
-    #[arg(short, long, value_name = "DIR", default_value = "echogrid-demo")]
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath, default_value = "echogrid-demo")]
     output: PathBuf,
     /// What computes
     #[arg(long, default_value = "auto")]
@@ -115,6 +116,7 @@ impl Demo {
         };
         // What a killed demo left there is soon made anew.
         let folder = Folder::open(&self.output.join(name), Unfinished::Discard)?;
+        interrupt::output(folder.path(), Vec::new(), false);
         let session = Session::open(log, &request)?;
         let started = Instant::now();
         let (mapped, ran) = match self.backend.choice() {
@@ -125,8 +127,9 @@ impl Demo {
             }
         };
         let seconds = vec![("map".into(), started.elapsed().as_secs_f64())];
+        let unbroken = interrupt::unbroken();
         let report = save(&folder, &session, &mapped, &ran, seconds, false)?;
-        folder.finish()?;
+        interrupt::finished(&folder.finish()?, unbroken);
         Ok((report, ran))
     }
 }

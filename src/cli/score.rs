@@ -3,6 +3,7 @@
 use super::{note, say};
 use crate::score::{Check, Options, Requirement, Score, Truth, open_map_noting, score, table, write_report};
 use crate::{Error, Result};
+use clap::ValueHint;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -13,10 +14,10 @@ const WIDEST: u64 = 50;
 #[derive(Debug, clap::Args)]
 pub struct Command {
     /// Maps: folders that `echogrid map` wrote, or ROS maps by their .yaml file
-    #[arg(required = true, value_name = "MAP")]
+    #[arg(required = true, value_name = "MAP", value_hint = ValueHint::AnyPath)]
     maps: Vec<PathBuf>,
     /// What is true: a world (a built-in one, such as room, or its .toml), or a map, such as the laser map of the same run (--method truth)
-    #[arg(short, long, value_name = "WORLD|MAP")]
+    #[arg(short, long, value_name = "WORLD|MAP", value_hint = ValueHint::AnyPath)]
     truth: PathBuf,
     /// Demand something of every map, such as "danger<=0.02", as often as needed; exit code 1 if it does not hold
     #[arg(long, value_name = "EXPR")]
@@ -28,7 +29,7 @@ pub struct Command {
     #[arg(long, value_name = "HIGH,LOW", value_delimiter = ',', num_args = 1)]
     decide: Option<Vec<f64>>,
     /// Write error plots, histograms of error levels and an HTML report into this folder
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     output: Option<PathBuf>,
     /// How far is seen in a world, metres [default: the farthest range of its sonars, or lasers]
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
