@@ -58,6 +58,10 @@ pub(crate) trait Source: Send + Sync {
     fn has_preset(&self) -> bool {
         false
     }
+    /// Where the layout of a sensor's beams comes from, if it is worth saying.
+    fn beams_origin(&self, _sensor: usize) -> Option<String> {
+        None
+    }
     /// Names of the class labels 1, 2, …
     fn classes(&self) -> &[String] {
         &[]
@@ -148,7 +152,13 @@ pub(crate) fn quote(text: &str) -> String {
 
 /// A number of a log; the text names the field.
 pub(crate) fn number(field: usize, text: &str) -> std::result::Result<f64, String> {
-    text.parse().map_err(|_| format!("field {field} is {}, not a number", quote(text)))
+    text.parse().map_err(|_| {
+        let point = text.replace(',', ".");
+        match point.parse::<f64>() {
+            Ok(_) => format!("field {field} is {}: write {point} with a point", quote(text)),
+            Err(_) => format!("field {field} is {}, not a number", quote(text)),
+        }
+    })
 }
 
 /// Only lasers here: refuses `--sensor sonar`.

@@ -4,6 +4,7 @@
 //! [`Record`](crate::reading::Record)s as they were read; [`judge`](crate::reading::judge) decides what they are worth.
 
 mod carmen;
+mod codes;
 mod csv;
 mod fields;
 mod format;
@@ -155,7 +156,19 @@ impl Log {
 
     /// What a user should know of how it is read, in whole sentences; complete after the first pass over it.
     pub fn notes(&self) -> Vec<String> {
-        self.source.notes()
+        let mut notes = Vec::new();
+        for (i, (mounted, described)) in self.sensors.iter().zip(self.source.sensors()).enumerate() {
+            let (Some(beams), Some(origin)) = (mounted.beams, self.source.beams_origin(i)) else { continue };
+            let own = described.first == Some(beams.first) && described.step == Some(beams.step);
+            let origin = if own { origin } else { "--set or the sensor file".into() };
+            // Angles as a user writes them, without the last digits' noise.
+            let degrees = |angle: f64| (angle.to_degrees() * 1e4).round() / 1e4;
+            let (id, count, first, step) = (&mounted.sensor.id, beams.count, degrees(beams.first), degrees(beams.step));
+            let span = degrees(beams.step * f64::from(count.saturating_sub(1)));
+            notes.push(format!("{id}: {count} beams over {span}°, {step}° apart, the first at {first}°, by {origin}."));
+        }
+        notes.extend(self.source.notes());
+        notes
     }
 
     /// A pass over its records, from the start; as many as are wanted, also at the same time.
