@@ -1,29 +1,29 @@
-//! CARMEN text logs: `FLASER` and `RLASER` (180° in front and behind) and `ROBOTLASER1`. Other messages are ignored.
+//! CARMEN text logs: every laser message with a place, `FLASER`, `RLASER`, `ROBOTLASER1` and on, `LASER_READING`, and, if the log has nothing
+//! better, `RAWLASER1`, `RAWLASER2`, `LASER1` and `LASER2` with the odometry's poses. Ranges are passed on as they are.
 //!
-//! Nothing in such a log lists its lasers, and some don't say at which range theirs gives up. So opening scans it once: each
-//! layout of beams becomes one sensor, and a cap that nothing declares is found in the ranges.
+//! Nothing in such a log lists its lasers, and some don't say how their beams lie or at which range they give up. So opening scans it
+//! once (`found`): each layout of beams becomes one sensor.
 
 use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, lasers_only};
 use super::input::Input;
 use super::lines::Lines;
 use super::{BadLine, Problem};
-use crate::reading::{Pose, Record};
+use crate::reading::Record;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
-use message::{Layout, Message};
+use found::Found;
+use message::{Line, Message};
+use odometry::Odometry;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use tag::Tag;
 
+mod beams;
+mod found;
 mod message;
-
-/// Ranges from here on are no return, metres: SICK's lasers, which nearly all of these logs come from, give up here.
-const FARTHEST: f64 = 80.0;
-/// So many equal largest ranges are a cap, not a wall …
-const CAP_READINGS: u64 = 20;
-/// … if they come from beams so far apart: a parked robot repeats the range of one beam, a cap shows anywhere.
-const CAP_BEAMS: usize = 5;
-/// No log has more layouts; a damaged one might.
-const MOST_LAYOUTS: usize = 256;
+mod odometry;
+mod rear;
+mod tag;
 
 /// The format.
 pub(crate) struct Carmen;
@@ -34,113 +34,44 @@ impl Format for Carmen {
     }
 
     fn looks(&self) -> &'static str {
-        "a CARMEN text log (FLASER, RLASER or ROBOTLASER1 lines), plain or gzip"
+        "a CARMEN text log (FLASER, RLASER, ROBOTLASER1 or other laser lines), plain or gzip"
     }
 
     fn claims(&self, probe: &Probe<'_>) -> bool {
         let Probe::Text(text) = probe else { return false };
-        let tags = ["FLASER ", "RLASER ", "ROBOTLASER1 ", "PARAM ", "ODOM ", "SYNC ", "TRUEPOS ", "# CARMEN"];
-        text.lines().any(|line| tags.iter().any(|tag| line.starts_with(tag)))
+        let others = ["PARAM", "ODOM", "SYNC", "TRUEPOS", "POSITION", "SONAR", "ODO_UPDATE", "SM_UPDATE"];
+        text.lines().any(|line| {
+            let mut words = line.split_ascii_whitespace();
+            let word = words.next().unwrap_or_default();
+            let is = Tag::of(word).is_some() || others.contains(&word);
+            is && words.next().is_some() || line.starts_with("# CARMEN")
+        })
     }
 
     fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
         let Place::File(input) = place else { return Err(Error::Usage("a CARMEN log is a file".into())) };
         lasers_only(input, kind, self.name())?;
-        let lasers = survey(input)?;
-        if lasers.is_empty() {
-            let what = "no readable FLASER, RLASER or ROBOTLASER1 line in this CARMEN log: nothing to map";
-            return Err(Error::input(input.path(), what));
+        let found = Found::read(input)?;
+        if found.lasers.is_empty() {
+            let none = "no readable laser message in this CARMEN log: nothing to map";
+            let left = found.left_out().map(|what| format!("; left out: {what}")).unwrap_or_default();
+            return Err(match &found.bad {
+                Some((bad, count)) => {
+                    let what =
+                        format!("{}. There is {none} ({count} bad lines, of which this is the first){left}", bad.what);
+                    Error::at(input.path(), bad.line, what)
+                }
+                None => Error::input(input.path(), format!("{none}{left}")),
+            });
         }
-        let sensors = lasers.iter().map(Laser::describe).collect();
-        Ok(Box::new(CarmenLog { input: input.clone(), lasers: lasers.into(), sensors }))
+        let sensors = found.lasers.iter().map(found::Laser::describe).collect();
+        Ok(Box::new(CarmenLog { input: input.clone(), found: Arc::new(found), sensors }))
     }
-}
-
-/// One laser of the log: a layout of beams, and from which range on it gives no return.
-struct Laser {
-    layout: Layout,
-    /// Metres; at most [`FARTHEST`].
-    cap: f64,
-    /// The place of the first message in the robot's frame.
-    mount: Pose,
-    /// The largest range below [`FARTHEST`], how often it came, and from which beams.
-    largest: f64,
-    times: u64,
-    beams: (usize, usize),
-}
-
-impl Laser {
-    fn look(&mut self, ranges: &[f64]) {
-        for (k, z) in ranges.iter().enumerate() {
-            if *z >= FARTHEST || *z < self.largest || z.is_nan() {
-                continue;
-            }
-            if *z > self.largest {
-                (self.largest, self.times, self.beams) = (*z, 0, (k, k));
-            }
-            self.times += 1;
-            self.beams = (self.beams.0.min(k), self.beams.1.max(k));
-        }
-    }
-
-    fn describe(&self) -> Description {
-        Description {
-            id: Some(self.layout.id()),
-            kind: Some(Kind::Laser),
-            x: Some(self.mount.x),
-            y: Some(self.mount.y),
-            axis: Some(self.mount.heading),
-            r_max: Some(self.cap),
-            beams: Some(self.layout.count),
-            first: Some(self.layout.first),
-            step: Some(self.layout.step),
-            ..Description::default()
-        }
-    }
-}
-
-/// The first scan: which lasers there are, and their caps.
-fn survey(input: &Input) -> Result<Vec<Laser>> {
-    let mut lasers: Vec<Laser> = Vec::new();
-    let mut declared = [None, None];
-    let mut lines = input.lines()?;
-    let mut ranges = Vec::new();
-    while let Some(line) = lines.next() {
-        let line = match line {
-            Ok(line) => line,
-            Err(Problem::Line(_)) => continue,
-            Err(Problem::Fatal(error)) => return Err(error),
-        };
-        if let Some((which, cap)) = message::cap(line) {
-            declared[which] = Some(cap);
-        }
-        let Ok(Some(message)) = message::parse(line, &mut ranges) else { continue };
-        let at = lasers.iter().position(|l| l.layout == message.layout);
-        let at = match at {
-            Some(at) => at,
-            None if lasers.len() == MOST_LAYOUTS => continue,
-            None => {
-                let mount = message.mount();
-                let layout = message.layout;
-                lasers.push(Laser { layout, cap: FARTHEST, mount, largest: 0.0, times: 0, beams: (0, 0) });
-                lasers.len() - 1
-            }
-        };
-        if let Some(laser) = lasers.get_mut(at) {
-            laser.look(&ranges);
-        }
-    }
-    for laser in &mut lasers {
-        let declared = laser.layout.cap.or(laser.layout.tag.declared(declared));
-        let found = laser.times >= CAP_READINGS && laser.beams.1 - laser.beams.0 >= CAP_BEAMS;
-        laser.cap = declared.or(found.then_some(laser.largest)).filter(|c| *c > 0.05).unwrap_or(FARTHEST).min(FARTHEST);
-    }
-    Ok(lasers)
 }
 
 struct CarmenLog {
     input: Input,
-    lasers: Arc<[Laser]>,
+    found: Arc<Found>,
     sensors: Vec<Description>,
 }
 
@@ -153,19 +84,30 @@ impl Source for CarmenLog {
         true
     }
 
+    fn notes(&self) -> Vec<String> {
+        self.found.notes()
+    }
+
+    fn beams_origin(&self, sensor: usize) -> Option<String> {
+        self.found.lasers.get(sensor).map(|laser| laser.origin.clone())
+    }
+
     fn inputs(&self) -> Vec<&Input> {
         vec![&self.input]
     }
 
     fn scans(&self, sensors: Arc<[Mounted]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>> {
-        let lasers = self.lasers.clone();
-        Ok(Box::new(Pass { lines: self.input.lines()?, lasers, sensors, ignored, ranges: Vec::new(), scan: 0 }))
+        let unposed = self.found.lasers.iter().any(|laser| !laser.layout.posed);
+        let odometry = if unposed { Some(Odometry::open(&self.input)?) } else { None };
+        let (lines, found) = (self.input.lines()?, self.found.clone());
+        Ok(Box::new(Pass { lines, odometry, found, sensors, ignored, ranges: Vec::new(), scan: 0 }))
     }
 }
 
 struct Pass {
     lines: Lines,
-    lasers: Arc<[Laser]>,
+    odometry: Option<Odometry>,
+    found: Arc<Found>,
     sensors: Arc<[Mounted]>,
     ignored: Arc<AtomicU64>,
     ranges: Vec<f64>,
@@ -181,16 +123,21 @@ impl Scans for Pass {
                 items.push_back(Err(problem));
                 return true;
             }
-            Some(Ok(line)) => message::parse(line, &mut self.ranges),
+            Some(Ok(line)) => match odometry::parse(line) {
+                Some(Err(what)) if self.odometry.is_some() => Err(what),
+                _ => message::parse(line, &mut self.ranges),
+            },
         };
-        match parsed {
-            Ok(None) => {
+        let done = match parsed {
+            Ok(Line::Laser(message)) => self.emit(&message, number, items),
+            Ok(_) => Ok(false),
+            Err(what) => Err(what),
+        };
+        match done {
+            Ok(true) => self.scan += 1,
+            Ok(false) => {
                 self.ignored.fetch_add(1, Ordering::Relaxed);
             }
-            Ok(Some(message)) => match self.emit(&message, number, items) {
-                Ok(()) => self.scan += 1,
-                Err(what) => items.push_back(Err(Problem::Line(BadLine { line: number, what }))),
-            },
             Err(what) => items.push_back(Err(Problem::Line(BadLine { line: number, what }))),
         }
         true
@@ -198,25 +145,38 @@ impl Scans for Pass {
 }
 
 impl Pass {
-    fn emit(&self, message: &Message, line: u64, items: &mut Items) -> std::result::Result<(), String> {
-        let index = self.lasers.iter().position(|l| l.layout == message.layout);
-        let found = index.and_then(|i| Some((i, self.lasers.get(i)?, self.sensors.get(i)?)));
-        let (index, laser, mounted) =
-            found.ok_or("more than 256 different layouts of laser beams: this one is left out")?;
-        let beams = mounted.beams.unwrap_or(message.layout.beams());
-        for (k, z) in self.ranges.iter().enumerate() {
+    /// Appends a message's readings; `false`: it is left out.
+    fn emit(&mut self, message: &Message, line: u64, items: &mut Items) -> std::result::Result<bool, String> {
+        let index = self.found.lasers.iter().position(|l| l.layout == message.layout);
+        let found = index.and_then(|i| Some((i, self.found.lasers.get(i)?, self.sensors.get(i)?)));
+        let Some((index, laser, mounted)) = found else {
+            return match message.layout.posed {
+                true => Err("more than 256 different layouts of laser beams: this one is left out".into()),
+                false => Ok(false),
+            };
+        };
+        let t = message.t.unwrap_or(0.0);
+        let (pose, robot) = match &mut self.odometry {
+            Some(odometry) if !message.layout.posed => {
+                let robot = odometry.at(line, t).ok_or("no ODOM message gives its pose")?;
+                (robot.compose(laser.mount.x, laser.mount.y, laser.mount.heading), robot)
+            }
+            _ => self.found.rear.poses(message.layout.tag, message.place),
+        };
+        let beams = mounted.beams.unwrap_or(laser.beams);
+        for (k, range) in self.ranges.iter().enumerate() {
             let off = beams.first + k as f64 * beams.step;
             items.push_back(Ok(Record {
-                t: message.t,
+                t,
                 scan: self.scan,
                 sensor: index as u32,
-                robot: message.robot,
-                pose: mounted.pose(&message.robot, Some(message.laser), off),
-                range: if *z >= laser.cap { f64::INFINITY } else { *z },
+                robot,
+                pose: mounted.pose(&robot, Some(pose), off),
+                range: *range,
                 label: None,
                 line,
             }));
         }
-        Ok(())
+        Ok(true)
     }
 }

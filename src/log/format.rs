@@ -76,6 +76,10 @@ pub(crate) trait Source: Send + Sync {
     fn has_preset(&self) -> bool {
         false
     }
+    /// Where the layout of a sensor's beams comes from, if it is worth saying.
+    fn beams_origin(&self, _sensor: usize) -> Option<String> {
+        None
+    }
     /// Names of the class labels 1, 2, …
     fn classes(&self) -> &[String] {
         &[]
@@ -109,6 +113,14 @@ pub(crate) struct Beams {
     pub first: f64,
     /// From one to the next, radians.
     pub step: f64,
+}
+
+impl Beams {
+    /// So many beams evenly over a field of view about the axis, radians; all around, the last stands beside the first.
+    pub fn over(fov: f64, count: u32) -> Beams {
+        let gaps = if fov > std::f64::consts::TAU - 1e-6 { count } else { count.saturating_sub(1) };
+        Beams { count, first: -fov / 2.0, step: fov / f64::from(gaps.max(1)) }
+    }
 }
 
 /// A sensor, and where its readings are taken to come from.
@@ -166,7 +178,13 @@ pub(crate) fn quote(text: &str) -> String {
 
 /// A number of a log; the text names the field.
 pub(crate) fn number(field: usize, text: &str) -> std::result::Result<f64, String> {
-    text.parse().map_err(|_| format!("field {field} is {}, not a number", quote(text)))
+    text.parse().map_err(|_| {
+        let point = text.replace(',', ".");
+        match point.parse::<f64>() {
+            Ok(_) => format!("field {field} is {}: write {point} with a point", quote(text)),
+            Err(_) => format!("field {field} is {}, not a number", quote(text)),
+        }
+    })
 }
 
 /// Only lasers here: refuses `--sensor sonar`.

@@ -7,6 +7,7 @@ mod aria;
 mod bytes;
 mod carmen;
 mod cmu;
+mod codes;
 mod csv;
 mod fields;
 mod format;
@@ -223,13 +224,26 @@ impl Log {
 
     /// What a user should know of how it is read, in whole sentences; complete after the first pass over it.
     pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for (i, (mounted, described)) in self.sensors.iter().zip(self.source.sensors()).enumerate() {
+            let (Some(beams), Some(origin)) = (mounted.beams, self.source.beams_origin(i)) else { continue };
+            let own = described.first == Some(beams.first) && described.step == Some(beams.step);
+            let origin = if own { origin } else { "--set or the sensor file".into() };
+            // Angles as a user writes them, without the last digits' noise.
+            let degrees = |angle: f64| (angle.to_degrees() * 1e4).round() / 1e4;
+            let (id, count, first, step) = (&mounted.sensor.id, beams.count, degrees(beams.first), degrees(beams.step));
+            let span = degrees(beams.step * f64::from(count.saturating_sub(1)));
+            notes.push(format!("{id}: {count} beams over {span}°, {step}° apart, the first at {first}°, by {origin}."));
+        }
+        notes.extend(self.source.notes());
         let inputs = self.source.inputs();
         let of = |input: &&Input| -> Vec<String> {
             let name = input.path().file_name().unwrap_or_default().display();
             let whose = if inputs.len() > 1 { format!("{name}: ") } else { String::new() };
             input.notes().into_iter().map(|note| format!("{whose}{note}")).collect()
         };
-        self.source.notes().into_iter().chain(inputs.iter().flat_map(of)).collect()
+        notes.extend(inputs.iter().flat_map(of));
+        notes
     }
 
     /// A pass over its records, from the start; as many as are wanted, also at the same time.

@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::format::{Beams, Mounted, Source};
-use crate::sensor::{Description, Mounts, SensorFile};
+use crate::sensor::{Description, Mounts, Overrides, SensorFile};
 use crate::{Error, Result};
 use std::path::Path;
 
@@ -26,6 +26,7 @@ pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> R
             fault = description.complete(i).err().map(|what| fault.unwrap_or(Error::input(&file.path, what)));
         }
         description.lay(&set);
+        lay_beams(&mut description, &options.overrides, source)?;
         let sensor = description.complete(i).map_err(|what| fault.unwrap_or(Error::Usage(format!("--set: {what}"))));
         let mut sensor = sensor?;
         if centred {
@@ -40,6 +41,25 @@ pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> R
         mounted.push(Mounted { sensor, beams, placed: over.is_some_and(Description::places), centred });
     }
     Ok(mounted)
+}
+
+/// Lays the beams of a laser's scan as `--set fov` and `--set first_beam` say; `fov` alone puts them evenly to both sides of the axis.
+fn lay_beams(description: &mut Description, set: &Overrides, source: &dyn Source) -> Result<()> {
+    let (fov, first) = (set.fov, set.first_beam);
+    if fov.is_none() && first.is_none() {
+        return Ok(());
+    }
+    let Some(count) = description.beams.filter(|n| source.has_beams() && *n > 1) else {
+        let what = "--set: fov and first_beam are for lasers whose beams the log doesn't lay out one by one; here each reading has \
+                    its own heading";
+        return Err(Error::Usage(what.into()));
+    };
+    if let Some(fov) = fov {
+        let beams = Beams::over(fov, count);
+        (description.first, description.step) = (Some(beams.first), Some(beams.step));
+    }
+    description.first = first.or(description.first);
+    Ok(())
 }
 
 /// Refuses a sensor file that can't mean this log.

@@ -11,6 +11,8 @@ const SONAR_HALF_WIDTH: f64 = 15.0 * std::f64::consts::PI / 180.0;
 const LASER_HALF_WIDTH: f64 = 0.25 * std::f64::consts::PI / 180.0;
 /// Wider cones than ±60° are refused: the snapped cone's tests don't hold for them.
 const WIDEST: f64 = 60.0 * std::f64::consts::PI / 180.0;
+/// The whole circle, radians, and a hair for rounding.
+const AROUND: f64 = 2.0 * std::f64::consts::PI + 1e-9;
 /// No length of a sensor is longer, metres.
 const LONGEST: f64 = 1e6;
 
@@ -221,8 +223,9 @@ pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
         "half_width" | "beta" => (0.0..=WIDEST).contains(&value),
         "r_min" | "no_echo_range" => (0.0..=LONGEST).contains(&value),
         "r_max" | "hit_range" | "epsilon" => value > 0.0 && value <= LONGEST,
-        "fov" => value > 0.0 && value <= 2.0 * std::f64::consts::PI + 1e-9,
         "step" => value != 0.0 && value.is_finite(),
+        "fov" => value > 0.0 && value <= AROUND,
+        "first_beam" => value.abs() <= AROUND,
         _ => value.is_finite() && value.abs() <= LONGEST,
     };
     match (fine, key) {
@@ -230,7 +233,8 @@ pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
         (_, "half_width" | "beta") => Err("takes 0 to 60deg (1.0472)".into()),
         (_, "r_min" | "no_echo_range") => Err("takes 0 to 1e6 m".into()),
         (_, "r_max" | "hit_range" | "epsilon") => Err("takes more than 0, up to 1e6 m".into()),
-        (_, "fov") => Err("takes more than 0, up to 360deg".into()),
+        (_, "fov") => Err("takes an angle above 0, up to 360deg".into()),
+        (_, "first_beam") => Err("takes -360deg to 360deg".into()),
         (_, "step") => Err("takes an angle other than 0".into()),
         _ => Err("takes -1e6 to 1e6".into()),
     }

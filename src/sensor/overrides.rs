@@ -32,8 +32,10 @@ pub struct Overrides {
     pub no_echo_range: Option<f64>,
     /// Half the depth of the arc ε, metres.
     pub epsilon: Option<f64>,
-    /// A laser's field of view from its first beam to its last, radians, centred on its axis.
+    /// Lasers whose scans are laid out by their sensor: the angle from the first beam to the last, radians.
     pub fov: Option<f64>,
+    /// Such lasers: bearing of the first beam from the sensor's axis, radians; with `fov` alone half of that to the right.
+    pub first_beam: Option<f64>,
     /// Where the sensors sit.
     pub mounts: Option<Mounts>,
 }
@@ -51,7 +53,18 @@ pub const OVERRIDE_KEYS: &[Key] = &[
     key("hit_range", "length, above 0, up to r_max", "the sensor's", "echoes from beyond this are rejected"),
     key("no_echo_range", "length, 0 to r_max", "the sensor's", "how far a missing echo frees the cone; 0: not at all"),
     key("epsilon", "length, above 0", "by kind and resolution", "half the depth of the arc"),
-    key("fov", "above 0, up to 360deg", "the sensor's", "a laser's field of view, from its first beam to its last"),
+    key(
+        "fov",
+        "angle, above 0, up to 360deg",
+        "the log's",
+        "lasers of CARMEN logs and the like: angle from the first beam to the last",
+    ),
+    key(
+        "first_beam",
+        "-360..360deg",
+        "the log's; -fov/2 with fov",
+        "such lasers: bearing of the first beam from the axis",
+    ),
     key("mounts", "preset|none", "preset", "none: every sensor sits at the robot's centre, with its own axis"),
 ];
 
@@ -69,6 +82,7 @@ impl Overrides {
             "no_echo_range" => &mut self.no_echo_range,
             "epsilon" => &mut self.epsilon,
             "fov" => &mut self.fov,
+            "first_beam" => &mut self.first_beam,
             "at_r_max" => {
                 let wrong = |what| Error::Usage(format!("--set at_r_max={value}: at_r_max {what}"));
                 self.at_r_max = Some(AtMax::parse(value).map_err(wrong)?);
@@ -85,7 +99,8 @@ impl Overrides {
             _ => return Ok(false),
         };
         let wrong = |what: String| Error::Usage(format!("--set {name}={value}: {name} {what}"));
-        let number = if matches!(name, "beta" | "fov") { angle(value) } else { length(value) }.map_err(wrong)?;
+        let number =
+            if matches!(name, "beta" | "fov" | "first_beam") { angle(value) } else { length(value) }.map_err(wrong)?;
         check_one(name, number).map_err(wrong)?;
         *slot = Some(number);
         Ok(true)
@@ -119,10 +134,11 @@ mod tests {
     fn every_documented_key_is_taken() {
         let mut o = Overrides::default();
         for (key, value) in
-            OVERRIDE_KEYS.iter().zip(["15deg", "170mm", "5", "hit", "3m", "1.5", "5cm", "180deg", "none"])
+            OVERRIDE_KEYS.iter().zip(["15deg", "170mm", "5", "hit", "3m", "1.5", "5cm", "100deg", "-50deg", "none"])
         {
             assert!(o.set(key.name, value).unwrap(), "{}", key.name);
         }
+        assert_eq!((o.fov, o.first_beam), (Some(100_f64.to_radians()), Some(-50_f64.to_radians())));
         let all = (o.beta, o.r_min, o.r_max, o.hit_range, o.no_echo_range, o.epsilon, o.mounts);
         let some = (Some(15_f64.to_radians()), Some(0.17), Some(5.0), Some(3.0), Some(1.5), Some(0.05));
         assert_eq!(all, (some.0, some.1, some.2, some.3, some.4, some.5, Some(Mounts::None)));
@@ -140,6 +156,8 @@ mod tests {
             ("r_min", "-0.1", "0 to 1e6"),
             ("epsilon", "0", "more than 0"),
             ("hit_range", "far", "mm, cm or m"),
+            ("fov", "0", "up to 360deg"),
+            ("first_beam", "-370deg", "-360deg to 360deg"),
             ("at_r_max", "far", "\"hit\" or \"no_echo\""),
             ("mounts", "some", "preset or none"),
         ] {

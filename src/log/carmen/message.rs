@@ -1,162 +1,220 @@
 //! One line of a CARMEN log: which laser, how its beams lie, the ranges and the poses.
 
-use crate::log::format::{Beams, check_pose, number, quote};
+use super::tag::{Family, Tag};
+use crate::log::format::{check_pose, number, quote};
 use crate::reading::Pose;
-use std::f64::consts::PI;
 
-/// The laser messages.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Tag {
-    /// `FLASER`: the front laser.
-    Front,
-    /// `RLASER`: the rear laser, looking backwards.
-    Rear,
-    /// `ROBOTLASER1`: a laser with its layout in every message.
-    Robot,
-}
-
-impl Tag {
-    fn name(self) -> &'static str {
-        match self {
-            Tag::Front => "FLASER",
-            Tag::Rear => "RLASER",
-            Tag::Robot => "ROBOTLASER1",
-        }
-    }
-
-    /// The cap that the log's parameters declare for this laser: `[front, rear]`.
-    pub fn declared(self, caps: [Option<f64>; 2]) -> Option<f64> {
-        match self {
-            Tag::Front => caps[0],
-            Tag::Rear => caps[1],
-            Tag::Robot => None,
-        }
-    }
-}
-
-/// How a laser's beams lie. Each layout is a sensor of its own.
+/// How a laser's beams lie, as far as its messages say. Each layout is a sensor of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Layout {
     /// The message.
     pub tag: Tag,
     /// Beams a scan.
     pub count: u32,
-    /// Bearing of the first beam from the laser's heading, radians.
-    pub first: f64,
-    /// From one beam to the next, radians.
-    pub step: f64,
+    /// Bearing of the first beam from the laser's heading, and from one beam to the next, radians.
+    pub beams: Option<(f64, f64)>,
     /// The maximum range that the message declares, metres.
     pub cap: Option<f64>,
+    /// Whether its messages carry a pose.
+    pub posed: bool,
 }
 
-impl Layout {
-    /// The sensor's name.
-    pub fn id(&self) -> String {
-        format!("{}/{}", self.tag.name(), self.count)
-    }
-
-    /// Its beams.
-    pub fn beams(&self) -> Beams {
-        Beams { count: self.count, first: self.first, step: self.step }
-    }
-
-    /// 180° from the right: n beams are 180°/n apart if n is even (the last one is missing), else 180°/(n − 1).
-    fn half_circle(tag: Tag, count: u32) -> Layout {
-        let gaps = if count.is_multiple_of(2) { count } else { count - 1 };
-        Layout { tag, count, first: -PI / 2.0, step: PI / f64::from(gaps), cap: None }
-    }
+/// Where a scan was taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Place {
+    /// The laser's pose and the robot's.
+    Both(Pose, Pose),
+    /// One pose, and the odometry's heading: `FLASER`, `RLASER`, `LASER_READING`.
+    One(Pose, Option<f64>),
+    /// The odometry messages know it.
+    Odometry,
 }
 
 /// A laser message, but for its ranges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Message {
     pub layout: Layout,
-    /// The laser's pose.
-    pub laser: Pose,
-    /// The robot's pose; FLASER and RLASER have none in the corrected frame, so it is the laser's place there.
-    pub robot: Pose,
-    /// Seconds.
-    pub t: f64,
+    pub place: Place,
+    /// Seconds; `None`: it has no time stamp.
+    pub t: Option<f64>,
 }
 
-impl Message {
-    /// The laser's place in the robot's frame.
-    pub fn mount(&self) -> Pose {
-        let (dx, dy) = (self.laser.x - self.robot.x, self.laser.y - self.robot.y);
-        let (s, c) = self.robot.heading.sin_cos();
-        let turn = self.laser.heading - self.robot.heading;
-        Pose { x: c * dx + s * dy, y: c * dy - s * dx, heading: turn.sin().atan2(turn.cos()) }
-    }
+/// What a line is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Line<'a> {
+    /// A laser's message.
+    Laser(Message),
+    /// A message with ranges that are not read, by its name.
+    Unread(&'a str),
+    /// Anything else.
+    Other,
 }
 
-/// The cap that a parameter line declares, metres: (0, cap) for the front laser, (1, cap) for the rear one.
-pub(super) fn cap(line: &str) -> Option<(usize, f64)> {
-    let mut fields = line.strip_prefix("PARAM ")?.split_ascii_whitespace();
-    let which = match fields.next()? {
-        "robot_front_laser_max" => 0,
-        "robot_rear_laser_max" => 1,
-        _ => return None,
-    };
-    Some((which, fields.next()?.parse().ok().filter(|cap: &f64| *cap > 0.0)?))
-}
-
-/// Parses a line; `None`: it is no laser message. The ranges go to `ranges`.
-pub(super) fn parse(line: &str, ranges: &mut Vec<f64>) -> Result<Option<Message>, String> {
-    let tag = match line.split_ascii_whitespace().next() {
-        Some("FLASER") => Tag::Front,
-        Some("RLASER") => Tag::Rear,
-        Some("ROBOTLASER1") => Tag::Robot,
-        None => return Ok(None),
-        Some(word) if word.starts_with('#') => return Ok(None),
-        Some(word) if word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_') => {
-            return Ok(None);
-        }
-        Some(word) => return Err(format!("{} is no CARMEN message", quote(word))),
-    };
-    let fields: Vec<&str> = line.split_ascii_whitespace().collect();
-    let at = |i: usize| number(i + 1, fields.get(i).copied().unwrap_or_default());
-    let pose = |i: usize| Ok::<_, String>(Pose { x: at(i)?, y: at(i + 1)?, heading: at(i + 2)? });
-    let count_at = |i: usize| match fields.get(i) {
-        Some(field) => field.parse::<u32>().map_err(|_| format!("field {} is {}, not a count", i + 1, quote(field))),
-        None => Err(format!("{} with only {} fields", tag.name(), fields.len())),
-    };
-    let first = if tag == Tag::Robot { 9 } else { 2 };
-    let count = count_at(first - 1)?;
-    let n = count as usize;
-    if n < 2 {
-        return Err(format!("{} with {n} beams: their bearings are not defined", tag.name()));
-    }
-    let total = |more: usize| match fields.len() {
-        found if found == n.saturating_add(more) => Ok(()),
-        found => Err(format!("expected {} fields for {n} beams, found {found}", n.saturating_add(more))),
-    };
-    let message = if tag == Tag::Robot {
-        let remissions = match fields.get(n.saturating_add(first)) {
-            Some(_) => count_at(n + first)? as usize,
-            None => 0,
+/// Parses a line. The ranges go to `ranges`.
+pub(super) fn parse<'a>(line: &'a str, ranges: &mut Vec<f64>) -> Result<Line<'a>, String> {
+    let Some(word) = line.split_ascii_whitespace().next() else { return Ok(Line::Other) };
+    let Some(tag) = Tag::of(word) else {
+        let name = |b: u8| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_';
+        return match word {
+            _ if word.starts_with('#') => Ok(Line::Other),
+            _ if word.parse::<f64>().is_ok() => {
+                Err(format!("begins with the number {}: is a message broken in two?", quote(word)))
+            }
+            _ if !word.bytes().all(name) => Err(format!("{} is no CARMEN message", quote(word))),
+            _ if ["LASER", "SONAR", "VELODYNE"].iter().any(|part| word.contains(part)) => Ok(Line::Unread(word)),
+            _ => Ok(Line::Other),
         };
-        total(remissions.saturating_add(24))?;
-        let after = first + n + 1 + remissions;
-        let layout = Layout { tag, count, first: at(2)?, step: at(4)?, cap: Some(at(5)?).filter(|cap| *cap > 0.0) };
-        if !(layout.first.is_finite() && layout.step.is_finite() && layout.step != 0.0) {
-            return Err(format!("start angle {} or resolution {} is no angle", layout.first, layout.step));
-        }
-        Message { layout, laser: pose(after)?, robot: pose(after + 3)?, t: at(after + 11)? }
-    } else {
-        total(11)?;
-        let robot = pose(first + n)?;
-        let turn = if tag == Tag::Rear { PI } else { 0.0 };
-        let laser = Pose { heading: robot.heading + turn, ..robot };
-        Message { layout: Layout::half_circle(tag, count), laser, robot, t: at(first + n + 6)? }
     };
-    if !message.t.is_finite() {
-        return Err(format!("the time stamp is {}", message.t));
+    let fields = Fields { tag, all: line.split_ascii_whitespace().collect() };
+    let message = match tag.family {
+        Family::Flat => fields.flat(ranges)?,
+        Family::Reading => fields.reading(ranges)?,
+        Family::Bare => fields.bare(2, None, ranges)?,
+        // Old loggers left the remission mode out.
+        Family::Robot | Family::Raw => match fields.configured(8, ranges) {
+            Ok(message) => message,
+            Err(what) => fields.configured(7, ranges).map_err(|_| what)?,
+        },
+    };
+    if let Some(t) = message.t.filter(|t| !t.is_finite()) {
+        return Err(format!("the time stamp is {t}"));
     }
-    check_pose("the laser's", &message.laser)?;
-    check_pose("the robot's", &message.robot)?;
-    ranges.clear();
-    for (i, field) in fields.iter().enumerate().skip(first).take(n) {
-        ranges.push(number(i + 1, field)?);
+    match &message.place {
+        Place::Both(laser, robot) => {
+            check_pose("the laser's", laser)?;
+            check_pose("the robot's", robot)?;
+        }
+        Place::One(laser, _) => check_pose("the laser's", laser)?,
+        Place::Odometry => {}
     }
-    Ok(Some(message))
+    Ok(Line::Laser(message))
+}
+
+struct Fields<'a> {
+    tag: Tag,
+    all: Vec<&'a str>,
+}
+
+impl Fields<'_> {
+    fn at(&self, i: usize) -> Result<f64, String> {
+        number(i + 1, self.all.get(i).copied().unwrap_or_default())
+    }
+
+    fn pose(&self, i: usize) -> Result<Pose, String> {
+        Ok(Pose { x: self.at(i)?, y: self.at(i + 1)?, heading: self.at(i + 2)? })
+    }
+
+    fn count(&self, i: usize) -> Result<u32, String> {
+        match self.all.get(i) {
+            Some(field) => field.parse().map_err(|_| format!("field {} is {}, not a count", i + 1, quote(field))),
+            None => Err(format!("{} with only {} fields", self.tag, self.all.len())),
+        }
+    }
+
+    /// How many beams; there must be two.
+    fn beams(&self, i: usize) -> Result<u32, String> {
+        match self.count(i)? {
+            n if n < 2 => Err(format!("{} with {n} beams: their bearings are not defined", self.tag)),
+            n => Ok(n),
+        }
+    }
+
+    /// Reads the ranges.
+    fn ranges(&self, first: usize, count: u32, ranges: &mut Vec<f64>) -> Result<(), String> {
+        ranges.clear();
+        for (i, field) in self.all.iter().enumerate().skip(first).take(count as usize) {
+            ranges.push(number(i + 1, field)?);
+        }
+        Ok(())
+    }
+
+    /// Checks what follows the ranges: `least` numbers at least, `most` before the host, which is the first that is no number.
+    fn tail(&self, start: usize, least: usize, most: usize, count: u32) -> Result<usize, String> {
+        let found = self.all.len();
+        if found < start.saturating_add(least) {
+            // The whole message has the host and a second time stamp too.
+            return Err(format!("expected {} fields for {count} beams, found {found}", start.saturating_add(most + 2)));
+        }
+        let tail = self.all.get(start..).unwrap_or_default();
+        let odd = tail.iter().position(|field| field.parse::<f64>().is_err()).filter(|i| *i != most);
+        if let Some(i) = odd {
+            let (at, field) = (start + i + 1, tail.get(i).copied().unwrap_or_default());
+            if !field.contains(',') && found < start + most + 2 {
+                return Err(format!("expected {} fields for {count} beams, found {found}", start + most + 2));
+            }
+            if i > most {
+                let place = start + most + 1;
+                let field = quote(field);
+                return Err(format!(
+                    "the host {field} is field {at}, not {place}: are there more than {count} ranges?"
+                ));
+            }
+            number(at, field)?;
+        }
+        Ok(tail.len())
+    }
+
+    /// `FLASER n r… x y θ odom_x odom_y odom_θ t host t`; the oldest logs have no poses.
+    fn flat(&self, ranges: &mut Vec<f64>) -> Result<Message, String> {
+        let count = self.beams(1)?;
+        let start = (count as usize).saturating_add(2);
+        let host = self.all.get(start + 1).is_some_and(|f| f.parse::<f64>().is_err() && !f.contains(','));
+        if host && self.all.len() <= start + 3 {
+            return self.bare(2, None, ranges);
+        }
+        let tail = self.tail(start, 6, 7, count)?;
+        let layout = Layout { tag: self.tag, count, beams: None, cap: None, posed: true };
+        let t = if tail > 6 { Some(self.at(start + 6)?) } else { None };
+        self.ranges(2, count, ranges)?;
+        Ok(Message { layout, place: Place::One(self.pose(start)?, Some(self.at(start + 5)?)), t })
+    }
+
+    /// `LASER_READING n r… x y θ t`, of GMapping's logs.
+    fn reading(&self, ranges: &mut Vec<f64>) -> Result<Message, String> {
+        let count = self.beams(1)?;
+        let start = (count as usize).saturating_add(2);
+        let tail = self.tail(start, 3, 4, count)?;
+        let layout = Layout { tag: self.tag, count, beams: None, cap: None, posed: true };
+        self.ranges(2, count, ranges)?;
+        let t = if tail > 3 { Some(self.at(start + 3)?) } else { None };
+        Ok(Message { layout, place: Place::One(self.pose(start)?, None), t })
+    }
+
+    /// `LASER1 n r… t host t`, without a pose.
+    fn bare(&self, first: usize, beams: Option<(f64, f64)>, ranges: &mut Vec<f64>) -> Result<Message, String> {
+        let count = self.beams(first - 1)?;
+        let start = (count as usize).saturating_add(first);
+        self.tail(start, 1, 1, count)?;
+        self.ranges(first, count, ranges)?;
+        let layout = Layout { tag: self.tag, count, beams, cap: None, posed: false };
+        Ok(Message { layout, place: Place::Odometry, t: Some(self.at(start)?) })
+    }
+
+    /// `ROBOTLASER1 type start fov step max accuracy mode n r… m remission… laser x y θ robot x y θ tv rv forward side turn t host t`
+    /// and `RAWLASER1`, the same without what stands between the remissions and t. The number of beams is field `at`.
+    fn configured(&self, at: usize, ranges: &mut Vec<f64>) -> Result<Message, String> {
+        let count = self.beams(at)?;
+        let first = at + 1;
+        let end = first.saturating_add(count as usize);
+        let missing = |more: usize| {
+            let all = end.saturating_add(more);
+            Err(format!("expected {all} fields for {count} beams, found {}", self.all.len()))
+        };
+        let robot = self.tag.family == Family::Robot;
+        let between = if robot { 11 } else { 0 };
+        if self.all.len() <= end {
+            return missing(between + 4);
+        }
+        let after = end.saturating_add(1).saturating_add(self.count(end)? as usize);
+        self.tail(after, between + 1, between + 1, count)?;
+        let (start, step) = (self.at(2)?, self.at(4)?);
+        if !(start.is_finite() && step.is_finite() && step != 0.0) {
+            return Err(format!("start angle {start} or resolution {step} is no angle"));
+        }
+        let cap = Some(self.at(5)?).filter(|cap| *cap > 0.0);
+        let layout = Layout { tag: self.tag, count, beams: Some((start, step)), cap, posed: robot };
+        let place = if robot { Place::Both(self.pose(after)?, self.pose(after + 3)?) } else { Place::Odometry };
+        self.ranges(first, count, ranges)?;
+        Ok(Message { layout, place, t: Some(self.at(after + between)?) })
+    }
 }

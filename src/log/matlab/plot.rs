@@ -2,6 +2,7 @@
 
 use super::array::{Array, Read_};
 use super::fields::{Field, resolve};
+use crate::log::format::Beams;
 use crate::reading::Pose;
 use crate::sensor::angle;
 
@@ -223,9 +224,8 @@ impl Plot {
                 (0..count).map(|k| at(first) + k as f64 * at(step)).collect()
             }
             Bearings::Over(fov) => {
-                let gaps =
-                    if *fov > 2.0 * std::f64::consts::PI - 1e-6 { count } else { count.saturating_sub(1).max(1) };
-                (0..count).map(|k| -fov / 2.0 + k as f64 * fov / gaps as f64).collect()
+                let beams = Beams::over(*fov, count as u32);
+                (0..count).map(|k| beams.first + k as f64 * beams.step).collect()
             }
         };
         if off.len() != count {

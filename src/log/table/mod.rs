@@ -1,6 +1,6 @@
 //! Plain tables (CSV and the like) whose columns the user names with `--columns`.
 
-use super::format::{Items, Mounted, Place, Source, check_pose, quote};
+use super::format::{Beams, Items, Mounted, Place, Source, check_pose, quote};
 use super::input::Input;
 use super::text::{Parse, Scan, TextLog, file_of, look};
 use super::{Options, csv};
@@ -67,9 +67,8 @@ pub(super) fn open(place: &Place, options: &Options, text: &str) -> Result<Box<d
     };
     let (first_bearing, step) = match (layout, options.overrides.fov) {
         (Layout::Beams, Some(fov)) => {
-            // All around, the last beam stands beside the first.
-            let gaps = if fov > 2.0 * std::f64::consts::PI - 1e-6 { count } else { count - 1 };
-            (Some(-fov / 2.0), Some(fov / gaps as f64))
+            let beams = Beams::over(fov, count as u32);
+            (Some(beams.first), Some(beams.step))
         }
         _ => (None, None),
     };

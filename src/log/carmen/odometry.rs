@@ -1,0 +1,86 @@
+//! The robot's pose for messages without one: from the odometry message before it in the log and the one after.
+
+use crate::Result;
+use crate::log::format::{check_pose, number};
+use crate::log::input::Input;
+use crate::log::lines::Lines;
+use crate::reading::Pose;
+
+/// Odometry further apart in time than this is not interpolated, seconds.
+const GAP: f64 = 2.0;
+
+/// One message.
+#[derive(Debug, Clone, Copy)]
+struct Stamp {
+    line: u64,
+    t: f64,
+    pose: Pose,
+}
+
+/// A second way through the log, from odometry message to odometry message.
+pub(super) struct Odometry {
+    lines: Lines,
+    before: Option<Stamp>,
+    after: Option<Stamp>,
+}
+
+/// The pose and the time of `ODOM x y θ tv rv a t host t`, `ODOM x y θ t` or `POSITION x y θ t`; `None`: another line.
+pub(super) fn parse(line: &str) -> Option<std::result::Result<(Pose, f64), String>> {
+    let mut fields = line.split_ascii_whitespace();
+    if !matches!(fields.next(), Some("ODOM" | "POSITION")) {
+        return None;
+    }
+    let all: Vec<&str> = fields.collect();
+    let at = |i: usize| number(i + 2, all.get(i).copied().unwrap_or_default());
+    let read = || {
+        let pose = Pose { x: at(0)?, y: at(1)?, heading: at(2)? };
+        check_pose("the robot's", &pose)?;
+        let t = match all.len() {
+            3 => f64::NAN,
+            4..=6 => at(3)?,
+            _ => at(6)?,
+        };
+        Ok((pose, t))
+    };
+    Some(read())
+}
+
+impl Odometry {
+    /// From the log's start.
+    pub fn open(input: &Input) -> Result<Odometry> {
+        let mut odometry = Odometry { lines: input.lines()?, before: None, after: None };
+        odometry.step();
+        Ok(odometry)
+    }
+
+    fn step(&mut self) {
+        self.before = self.after.or(self.before);
+        self.after = None;
+        while let Some(line) = self.lines.next() {
+            if let Some(Ok((pose, t))) = line.ok().and_then(parse) {
+                self.after = Some(Stamp { line: self.lines.number(), t, pose });
+                return;
+            }
+        }
+    }
+
+    /// The pose at the message in that line, of that time: between the two if their times say so, else the nearer one's.
+    pub fn at(&mut self, line: u64, t: f64) -> Option<Pose> {
+        while self.after.is_some_and(|after| after.line < line) {
+            self.step();
+        }
+        let (before, after) = match (self.before, self.after) {
+            (Some(before), Some(after)) => (before, after),
+            (one, other) => return one.or(other).map(|stamp| stamp.pose),
+        };
+        let (since, until, gap) = (t - before.t, after.t - t, after.t - before.t);
+        if since >= 0.0 && until >= 0.0 && gap > 0.0 && gap <= GAP {
+            let part = since / gap;
+            let (a, b) = (before.pose, after.pose);
+            let turn = (b.heading - a.heading).sin().atan2((b.heading - a.heading).cos());
+            let heading = a.heading + part * turn;
+            return Some(Pose { x: a.x + part * (b.x - a.x), y: a.y + part * (b.y - a.y), heading });
+        }
+        Some(if until.abs() < since.abs() { after.pose } else { before.pose })
+    }
+}

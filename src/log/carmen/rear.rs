@@ -1,0 +1,82 @@
+//! Whose heading `RLASER` messages carry: CARMEN's own logger writes the laser's, other programs the robot's. Each message is compared with
+//! the `FLASER` message before it, if that is of the same time, else with its own odometry's heading: about 180° apart it is the laser's, about
+//! equal it is the robot's. The majority decides.
+
+use super::message::{Message, Place};
+use super::tag::{Family, Tag};
+use crate::reading::Pose;
+use std::f64::consts::PI;
+
+/// A front scan tells the robot's heading for so long, seconds.
+const RECENT: f64 = 0.5;
+
+/// The votes of a log's messages.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rear {
+    /// The last `FLASER` message's time and heading.
+    front: Option<(f64, f64)>,
+    /// Messages whose heading is the laser's, the robot's, or near neither.
+    laser: u64,
+    robot: u64,
+    unclear: u64,
+}
+
+impl Rear {
+    /// Hears of a message.
+    pub fn look(&mut self, message: &Message) {
+        let Place::One(pose, odometry) = message.place else { return };
+        if message.layout.tag.family != Family::Flat {
+            return;
+        }
+        if !message.layout.tag.rear() {
+            self.front = message.t.map(|t| (t, pose.heading));
+            return;
+        }
+        let front = self.front.filter(|f| message.t.is_some_and(|t| (t - f.0).abs() <= RECENT)).map(|f| f.1);
+        let Some(robot) = front.or(odometry) else { return };
+        match (pose.heading - robot).cos() {
+            // Within 60° of one or the other.
+            c if c < -0.5 => self.laser += 1,
+            c if c > 0.5 => self.robot += 1,
+            _ => self.unclear += 1,
+        }
+    }
+
+    /// Whether `RLASER` carries the laser's own heading.
+    fn is_laser(&self) -> bool {
+        self.laser > self.robot
+    }
+
+    /// The laser's pose and the robot's, of a message that carries a pose. In the old forms the robot's place is the laser's.
+    pub fn poses(&self, tag: Tag, place: Place) -> (Pose, Pose) {
+        match place {
+            Place::Both(laser, robot) => (laser, robot),
+            Place::One(pose, _) if tag.family == Family::Flat && tag.rear() => {
+                let turned = |by: f64| Pose { heading: pose.heading + by, ..pose };
+                if self.is_laser() { (pose, turned(-PI)) } else { (turned(PI), pose) }
+            }
+            Place::One(pose, _) => (pose, pose),
+            Place::Odometry => Default::default(),
+        }
+    }
+
+    /// What was decided, if there was anything to decide.
+    pub fn note(&self) -> Option<String> {
+        let all = self.laser + self.robot + self.unclear;
+        if all == 0 {
+            return None;
+        }
+        let (votes, text) = match self.is_laser() {
+            true => (self.laser, "the rear laser's own: 180° off the robot's"),
+            false => (self.robot, "the robot's: the laser looks the other way"),
+        };
+        let doubt = match votes * 10 < all * 9 {
+            true => {
+                ". The others say otherwise or nothing clear: look at the map, and give a sensor file with the rear laser's axis \
+                 (0 or 180deg) if what lies behind the robot is drawn before it"
+            }
+            false => "",
+        };
+        Some(format!("RLASER: its heading is taken for {text}, in {votes} of {all} messages{doubt}."))
+    }
+}
