@@ -5,8 +5,8 @@ use std::io::Write;
 
 const KNOWN: &str = "Known are: a sonar_ring_8 folder (sonar.txt or measurement.txt or laser.txt, with od.txt or \
                      poses.txt); echogrid's JSON Lines (first line {\"echogrid_log\":1,\"sensors\":[…]}); echogrid's CSV \
-                     (a row of names: t,scan,sensor,px,py,ph,z); a CARMEN text log (FLASER, RLASER or ROBOTLASER1 \
-                     lines), plain or gzip; a MATLAB .mat file (version 5) with robotPose and laserScan";
+                     (a row of names: t,scan,sensor,px,py,ph,z); a CARMEN text log (FLASER, RLASER, ROBOTLASER1 \
+                     or other laser lines), plain or gzip; a MATLAB .mat file (version 5) with robotPose and laserScan";
 
 fn gz(text: &str) -> Vec<u8> {
     let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
