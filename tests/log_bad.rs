@@ -319,7 +319,7 @@ fn bad_carmen_lines() {
     let whole = format!("{good}FLASER 2 nan -1 0 0 0 0 0 0 1.0 h 1.0\nFLASER 2 inf 80 0 0 0 0 0 0 1.0 h 1.0\n");
     let log = Log::read(whole.as_bytes(), &Options::default()).unwrap();
     let ranges: Vec<String> = log.records().unwrap().map(|r| r.unwrap().range.to_string()).collect();
-    assert_eq!(ranges, ["1", "2", "NaN", "-1", "inf", "inf"]);
+    assert_eq!(ranges, ["1", "2", "NaN", "-1", "inf", "80"]);
 }
 
 #[test]

@@ -96,14 +96,17 @@ fn carmen() {
     let records: Vec<Record> = pass.by_ref().map(|r| r.unwrap()).collect();
     assert_eq!((records.len(), pass.ignored()), (10, 2));
     let ranges: Vec<f64> = records[..4].iter().map(|r| r.range).collect();
-    assert_eq!(ranges, [1.5, 2.5, f64::INFINITY, f64::INFINITY]);
+    assert_eq!(ranges, [1.5, 2.5, 50.0, 81.91]);
+    let silent = |r: &Record| judge(*r, &sensors[r.sensor as usize]) == Err(Unused::NoEcho);
+    assert_eq!(records[..4].iter().map(silent).collect::<Vec<_>>(), [false, false, true, true]);
     let degrees = |r: &Record| (r.pose.heading - r.robot.heading).to_degrees();
     for (record, bearing) in records.iter().zip([-90.0, -45.0, 0.0, 45.0, 90.0, 180.0, 270.0]) {
         assert!((degrees(record) - bearing).abs() < 1e-9, "{record:?}");
     }
     assert_eq!((records[0].robot.x, records[0].pose.y, records[0].t, records[0].line), (0.1, 0.2, 12.5, 3));
     assert_eq!((records[7].pose.x, records[7].robot.x, records[7].t), (1.3, 1.0, 13.5));
-    assert!(near(sensors[2].x, 0.3) && (records[8].range, records[9].range) == (f64::INFINITY, 3.0));
+    assert!(near(sensors[2].x, 0.3) && (records[8].range, records[9].range) == (20.0, 3.0));
+    assert!(silent(&records[8]) && !silent(&records[9]));
     // Every sensor at the robot's centre, also where the log says otherwise.
     let mut options = Options::default();
     options.overrides.mounts = Some(Mounts::None);
@@ -111,22 +114,6 @@ fn carmen() {
     assert_eq!((centred[7].pose.x, centred[7].pose.heading), (1.0, records[7].pose.heading));
     let sonar = Options { kind: Some(Kind::Sonar), ..Options::default() };
     assert!(Log::read(text.as_bytes(), &sonar).unwrap_err().to_string().contains("laser readings only"));
-}
-
-#[test]
-fn a_cap_that_nothing_declares() {
-    let line = |a: f64, b: f64| {
-        let mut ranges = vec!["1.0".to_string(); 10];
-        (ranges[1], ranges[8]) = (a.to_string(), b.to_string());
-        format!("FLASER 10 {} 0 0 0 0 0 0 1.0 h 1.0\n", ranges.join(" "))
-    };
-    let cap = |text: &str| open(text).header().sensors[0].r_max;
-    assert_eq!(cap(&line(50.0, 50.0).repeat(10)), 50.0);
-    assert_eq!(cap(&line(50.0, 50.0).repeat(9)), 80.0);
-    // One beam of a parked robot is no cap, nor is a largest range that came later and seldom.
-    assert_eq!(cap(&line(50.0, 2.0).repeat(30)), 80.0);
-    assert_eq!(cap(&(line(50.0, 50.0).repeat(30) + &line(60.0, 2.0))), 80.0);
-    assert_eq!(cap(&(line(50.0, 50.0).repeat(30) + &line(81.0, 90.0))), 50.0);
 }
 
 #[test]

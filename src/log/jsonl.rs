@@ -3,7 +3,7 @@
 //! JSON has no NaN and no infinity, so `"NaN"`, `"inf"` and `"-inf"` are taken as well: broken ranges are counted, not lost.
 
 use super::fields::{Builder, Fields, NAMES, SensorName};
-use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source};
+use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, quote};
 use super::input::Input;
 use super::lines::Lines;
 use super::{BadLine, Problem};
@@ -29,7 +29,8 @@ impl Format for JsonLines {
     }
 
     fn claims(&self, probe: &Probe<'_>) -> bool {
-        matches!(probe, Probe::Text(text) if text.trim_start().starts_with('{'))
+        let Probe::Text(text) = probe else { return false };
+        text.lines().map(str::trim_start).find(|line| !passed_over(line)).is_some_and(|line| line.starts_with('{'))
     }
 
     fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
@@ -38,7 +39,7 @@ impl Format for JsonLines {
         let line = loop {
             match lines.next() {
                 None => return Err(Error::input(input.path(), "is empty")),
-                Some(Ok(line)) if line.trim().is_empty() => {}
+                Some(Ok(line)) if passed_over(line.trim()) => {}
                 Some(Ok(line)) => break line.to_string(),
                 Some(Err(Problem::Line(bad))) => return Err(Error::at(input.path(), bad.line, bad.what)),
                 Some(Err(Problem::Fatal(error))) => return Err(error),
@@ -49,6 +50,11 @@ impl Format for JsonLines {
         header.offers(kind).map_err(|what| Error::at(input.path(), at, what))?;
         Ok(Box::new(JsonLog { input: input.clone(), header, line: at, kind }))
     }
+}
+
+/// Whether a line before the header is empty or a comment.
+fn passed_over(line: &str) -> bool {
+    line.is_empty() || line.starts_with('#')
 }
 
 /// The header of echogrid's own log, in JSON Lines and in CSV.
@@ -71,8 +77,17 @@ struct RawPreamble {
 impl Preamble {
     /// Parses a header line.
     pub fn parse(line: &str) -> std::result::Result<Preamble, String> {
+        Preamble::read(line).map_err(|what| format!("{what}; the line is {}", quote(line.trim())))
+    }
+
+    fn read(line: &str) -> std::result::Result<Preamble, String> {
         let raw: RawPreamble = serde_json::from_str(line).map_err(|e| {
-            let what = explain(&e, &["echogrid_log", "sensors", "classes"]);
+            let what = match serde_json::from_str::<BTreeMap<String, serde_json::Value>>(line) {
+                Ok(keys) if !keys.contains_key("echogrid_log") => {
+                    "it has no \"echogrid_log\"; a log of another kind needs this header put before it, and a line a reading".into()
+                }
+                _ => explain(&e, &["echogrid_log", "sensors", "classes"]),
+            };
             format!("the first line must be the header {{\"echogrid_log\":1,\"sensors\":[…]}}: {what}")
         })?;
         if raw.echogrid_log != serde_json::json!(1) {

@@ -8,7 +8,7 @@ const KNOWN: &str = "Known are: a sonar_ring_8 folder (sonar.txt or measurement.
                      (a row of names: t,scan,sensor,px,py,ph,z); a ROS topic as CSV (rostopic echo -p, ros2 topic echo \
                      --csv: LaserScan or Range, with --poses); an ARIA laser log (.2d, LaserOdometryLog); a Player log \
                      (writelog: time host robot interface index …); a robotdata log of CMU's course 16-833 (L and O lines, \
-                     centimetres); a CARMEN text log (FLASER, RLASER or ROBOTLASER1 lines), plain or gzip; a MATLAB .mat \
+                     centimetres); a CARMEN text log (FLASER, RLASER, ROBOTLASER1 or other laser lines), plain or gzip; a MATLAB .mat \
                      file (version 5 to 7) of poses and scans; an Octave text file (save -text) of poses and scans";
 
 fn gz(text: &str) -> Vec<u8> {
