@@ -13,6 +13,7 @@ use crate::reading::Reading;
 use crate::scan::Scan;
 use crate::session::Session;
 use crate::snap::Edges;
+use crate::wrapped::wrapped;
 use serde::Serialize;
 use std::fmt;
 
@@ -328,10 +329,11 @@ impl fmt::Display for Verification {
         writeln!(f, "{method}: {readings} readings, {width} × {height} cells, {updates} cell updates")?;
         writeln!(f, "oracle  f64, one reading at a time ({:.2} s)", self.oracle_seconds)?;
         for b in &self.backends {
-            writeln!(f, "{:<7} {} ({:.2} s)", b.backend, b.adapter, b.seconds)?;
-            writeln!(f, "  membership differences  {}", b.membership)?;
+            let ran = format!("{:<7} {} ({:.2} s)", b.backend, b.adapter, b.seconds);
+            writeln!(f, "{}", wrapped(&ran, 8))?;
+            writeln!(f, "  cells that other readings reach  {}", b.membership)?;
             if let Some(cell) = &b.membership_cell {
-                writeln!(f, "    {cell}")?;
+                writeln!(f, "{}", wrapped(&format!("    the first: {cell}"), 6))?;
             }
             if b.counts > 0 {
                 writeln!(f, "  readings counted otherwise  {}", b.counts)?;
@@ -345,11 +347,13 @@ impl fmt::Display for Verification {
                     l.layer, l.largest, l.bound
                 )?;
                 match (&l.largest_cell, &l.worst) {
-                    (Some(a), Some(b)) if a == b => writeln!(f, "    largest, nearest to its bound: {a}")?,
+                    (Some(a), Some(b)) if a == b => {
+                        writeln!(f, "{}", wrapped(&format!("    largest, nearest to its bound: {a}"), 6))?;
+                    }
                     (a, b) => {
                         for (what, cell) in [("largest", a), ("nearest to its bound", b)] {
                             if let Some(cell) = cell {
-                                writeln!(f, "    {what}: {cell}")?;
+                                writeln!(f, "{}", wrapped(&format!("    {what}: {cell}"), 6))?;
                             }
                         }
                     }
@@ -366,10 +370,10 @@ impl fmt::Display for Verification {
             writeln!(f, "cpu and gpu: {}", if same { "the same bytes in every layer" } else { "not the same bytes" })?;
         }
         for why in &self.absent {
-            writeln!(f, "{why}")?;
+            writeln!(f, "{}", wrapped(why, 2))?;
         }
         for why in &self.skipped {
-            writeln!(f, "SKIPPED {why}")?;
+            writeln!(f, "{}", wrapped(&format!("SKIPPED {why}"), 2))?;
         }
         write!(f, "{}", self.verdict())
     }

@@ -51,7 +51,7 @@ fn no_log_at_all() {
     assert!(error.ends_with(": is empty"), "{error}");
     let noise: Vec<u8> = (0..5000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     assert!(refused(&noise).contains("is binary, not a log. Known are: a sonar_ring_8 folder"));
-    assert!(refused(b"Dear diary,\n").contains("is of no known format. Known are: "));
+    assert!(refused(b"Dear diary,\n").contains("is of no known format; line 1 is 'Dear diary,'. A table"));
     assert!(refused(b"BZh91AY").contains("packed with bzip2: unpack it first"));
     assert!(refused(b"1686487 0 0 0\n").contains("name the folder"));
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
 //! The command line, one file a subcommand. Exit codes: 0 done · 1 differs · 2 bad usage · 3 bad input · 4 no adapter ·
-//! 5 out of memory or space, or output not writable · 6 done, but some lines were bad.
+//! 5 out of memory or space, or output not writable · 6 done, but some lines were bad · 130, 143 ended by Ctrl-C or SIGTERM.
 
 mod bench;
 mod check;
@@ -8,8 +8,11 @@ mod compare;
 mod demo;
 mod doctor;
 mod generate;
+mod interrupt;
 mod map;
+mod offered;
 mod out;
+mod parameters;
 mod plan;
 mod score;
 mod simulate;
@@ -17,6 +20,8 @@ mod summary;
 mod truth;
 mod verify;
 mod view;
+
+pub use interrupt::removes as remove_if_interrupted;
 
 use crate::Result;
 use clap::{Parser, Subcommand};
@@ -31,13 +36,17 @@ use say;
 macro_rules! note {
     ($($text:tt)*) => {{
         use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "echogrid: {}", format_args!($($text)*));
+        let text = format!($($text)*);
+        $crate::cli::interrupt::aside(|| {
+            let _ = writeln!(std::io::stderr(), "echogrid: {text}");
+        });
     }};
 }
 use note;
 
 const AFTER: &str = "Exit codes: 0 done · 1 differs · 2 bad usage or parameter · 3 bad input · 4 no adapter · \
-5 out of memory or space, or output not writable · 6 done, but some lines of the log were bad (--strict: 3, nothing written)
+5 out of memory or space, or output not writable · 6 done, but some lines of the log were bad (--strict: 3, nothing written) · \
+130 ended by Ctrl-C, 143 by SIGTERM: an unfinished map stays for --resume
 
 Start with `echogrid demo`, then `echogrid map LOG -o DIR`.";
 
@@ -97,11 +106,21 @@ impl Arguments {
         }
     }
 
-    /// Runs the command; the exit code where it did what it could.
+    /// Whether the command looks for GPU adapters.
+    pub fn seeks_adapters(&self) -> bool {
+        use Command::{Bench, Demo, Doctor, Map, Plan, Verify};
+        matches!(self.command, Map(_) | Verify(_) | Plan(_) | Doctor(_) | Demo(_) | Bench(_))
+    }
+
+    /// Runs the command; the exit code where it did what it could. From its start on SIGINT and SIGTERM end the process.
     ///
     /// # Errors
     /// The command's; [`Error::Resources`](crate::Error::Resources) if what it printed can't be written.
     pub fn run(self) -> Result<u8> {
+        // To `view` Ctrl-C is the way to end it.
+        if !matches!(self.command, Command::View(_)) {
+            interrupt::listen();
+        }
         let code = self.command.run()?;
         out::finish().map(|()| code)
     }

@@ -10,6 +10,7 @@ use crate::oracle::OracleMap;
 use crate::session::Session;
 use crate::verify::{Verification, check, same_bytes};
 use crate::{Error, Result, memory, method};
+use clap::ValueHint;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -33,7 +34,7 @@ pub struct Verify {
     #[arg(long, value_delimiter = ',', default_value = "oracle,cpu,gpu")]
     backends: Vec<Checked>,
     /// If a backend is not equal, write its pictures, the oracle's and their difference here
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pictures: Option<PathBuf>,
     /// Memory that may be used, such as 4GiB [default: what the machine has free]
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
@@ -67,7 +68,9 @@ impl Verify {
     /// # Errors
     /// [`Error::NoAdapter`] where one that was asked for couldn't run: that is no equality.
     pub fn run(self) -> Result<u8> {
+        let sign = spinner("reading", self.quiet || self.json);
         let session = self.log.session()?;
+        drop(sign);
         warn_of_log(&self.log, &session);
         // The oracle keeps values and bounds in f64, and two maps are held beside it.
         let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
@@ -77,7 +80,7 @@ impl Verify {
         let Opened { backends, skipped, absent } = self.open(&session)?;
         let started = Instant::now();
         let hidden = self.quiet || self.json;
-        let sign = spinner("oracle", hidden);
+        let sign = spinner("reference", hidden);
         let oracle = session.oracle()?;
         drop(sign);
         let mut result = Verification {
@@ -107,7 +110,7 @@ impl Verify {
                     .map(|(a, b)| a.abs_diff(*b))
                     .sum();
             let backend = (chosen.backend.name(), chosen.backend.adapter());
-            let sign = spinner("compare", hidden);
+            let sign = spinner("comparing", hidden);
             result.backends.push(check(&session, &oracle, &mapped.finished, backend, wrong, seconds)?);
             drop(sign);
             self.draw(&session, &oracle, &result, &mapped.finished)?;

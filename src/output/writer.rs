@@ -2,8 +2,8 @@
 //! then noted, so that a run that was killed goes on after the last one that was noted.
 
 use super::names::{
-    self, CANVAS, FEATURES, FEATURES_PICTURE, LAYER_ARRAY, LAYER_PICTURE, OVERVIEW_CANVAS, PICTURE, PROGRESS, REPORT,
-    RUN, STORE,
+    self, CANVAS, FEATURES, FEATURES_PICTURE, FOUND, LAYER_ARRAY, LAYER_PICTURE, OVERVIEW_CANVAS, PICTURE, PROGRESS,
+    REPORT, RUN, STORE,
 };
 use super::raster::{Block, Raster};
 use super::report::{self, Tally};
@@ -222,6 +222,13 @@ fn files(place: &Path, outline: &Outline, info: &RunInfo) -> Vec<String> {
     }
     let there = |path: PathBuf| path.is_file() || later.contains(&path);
     names::of(&layers).into_iter().filter(|name| there(place.join(name))).collect()
+}
+
+/// Whether something lies in a partial folder with which `--resume` would go on: finished chunks, or what the rounds before
+/// them found.
+pub fn begun(partial: &Path) -> bool {
+    let finished = std::fs::metadata(PROGRESS.at(partial)).is_ok_and(|file| file.len() > 0);
+    RUN.at(partial).exists() && (finished || FOUND.at(partial).exists())
 }
 
 /// A chunk's part of a raster that is reduced by a factor.

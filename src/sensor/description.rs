@@ -1,7 +1,7 @@
 //! A sensor as far as somebody has described it: every field may be missing. Descriptions are laid over each other (preset,
 //! log's header, sensor file, `--set`) and then completed to a [`Sensor`] with the defaults of its kind.
 
-use super::{AtMax, Kind, Sensor, angle, length};
+use super::{AtMax, Kind, Sensor, angle, length, similar};
 use serde::{Deserialize, Deserializer, de};
 use std::fmt;
 
@@ -221,6 +221,7 @@ pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
         "half_width" | "beta" => (0.0..=WIDEST).contains(&value),
         "r_min" | "no_echo_range" => (0.0..=LONGEST).contains(&value),
         "r_max" | "hit_range" | "epsilon" => value > 0.0 && value <= LONGEST,
+        "fov" => value > 0.0 && value <= 2.0 * std::f64::consts::PI + 1e-9,
         "step" => value != 0.0 && value.is_finite(),
         _ => value.is_finite() && value.abs() <= LONGEST,
     };
@@ -229,6 +230,7 @@ pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
         (_, "half_width" | "beta") => Err("takes 0 to 60deg (1.0472)".into()),
         (_, "r_min" | "no_echo_range") => Err("takes 0 to 1e6 m".into()),
         (_, "r_max" | "hit_range" | "epsilon") => Err("takes more than 0, up to 1e6 m".into()),
+        (_, "fov") => Err("takes more than 0, up to 360deg".into()),
         (_, "step") => Err("takes an angle other than 0".into()),
         _ => Err("takes -1e6 to 1e6".into()),
     }
@@ -294,19 +296,5 @@ impl<'de> Deserialize<'de> for SensorKey {
             Some(key) => Ok(SensorKey(key)),
             None => Err(de::Error::custom(format!("unknown key {name:?}{}", similar(&name, &KEYS)))),
         }
-    }
-}
-
-/// The known name that is nearest to what was written, if any is near.
-pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let near = |k: &&&str| strsim::jaro_winkler(&name.to_lowercase(), k);
-    known.iter().filter(|k| near(k) > 0.7).max_by(|a, b| near(a).total_cmp(&near(b))).copied()
-}
-
-/// "; did you mean …?" or the list of what there is.
-pub(crate) fn similar(name: &str, known: &[&str]) -> String {
-    match nearest(name, known) {
-        Some(near) => format!("; did you mean {near:?}?"),
-        None => format!("; known are {}", known.join(", ")),
     }
 }

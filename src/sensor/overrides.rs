@@ -32,6 +32,8 @@ pub struct Overrides {
     pub no_echo_range: Option<f64>,
     /// Half the depth of the arc ε, metres.
     pub epsilon: Option<f64>,
+    /// A laser's field of view from its first beam to its last, radians, centred on its axis.
+    pub fov: Option<f64>,
     /// Where the sensors sit.
     pub mounts: Option<Mounts>,
 }
@@ -49,6 +51,7 @@ pub const OVERRIDE_KEYS: &[Key] = &[
     key("hit_range", "length, above 0, up to r_max", "the sensor's", "echoes from beyond this are rejected"),
     key("no_echo_range", "length, 0 to r_max", "the sensor's", "how far a missing echo frees the cone; 0: not at all"),
     key("epsilon", "length, above 0", "by kind and resolution", "half the depth of the arc"),
+    key("fov", "above 0, up to 360deg", "the sensor's", "a laser's field of view, from its first beam to its last"),
     key("mounts", "preset|none", "preset", "none: every sensor sits at the robot's centre, with its own axis"),
 ];
 
@@ -65,6 +68,7 @@ impl Overrides {
             "hit_range" => &mut self.hit_range,
             "no_echo_range" => &mut self.no_echo_range,
             "epsilon" => &mut self.epsilon,
+            "fov" => &mut self.fov,
             "at_r_max" => {
                 let wrong = |what| Error::Usage(format!("--set at_r_max={value}: at_r_max {what}"));
                 self.at_r_max = Some(AtMax::parse(value).map_err(wrong)?);
@@ -81,7 +85,7 @@ impl Overrides {
             _ => return Ok(false),
         };
         let wrong = |what: String| Error::Usage(format!("--set {name}={value}: {name} {what}"));
-        let number = if name == "beta" { angle(value) } else { length(value) }.map_err(wrong)?;
+        let number = if matches!(name, "beta" | "fov") { angle(value) } else { length(value) }.map_err(wrong)?;
         check_one(name, number).map_err(wrong)?;
         *slot = Some(number);
         Ok(true)
@@ -114,7 +118,9 @@ mod tests {
     #[test]
     fn every_documented_key_is_taken() {
         let mut o = Overrides::default();
-        for (key, value) in OVERRIDE_KEYS.iter().zip(["15deg", "170mm", "5", "hit", "3m", "1.5", "5cm", "none"]) {
+        for (key, value) in
+            OVERRIDE_KEYS.iter().zip(["15deg", "170mm", "5", "hit", "3m", "1.5", "5cm", "180deg", "none"])
+        {
             assert!(o.set(key.name, value).unwrap(), "{}", key.name);
         }
         let all = (o.beta, o.r_min, o.r_max, o.hit_range, o.no_echo_range, o.epsilon, o.mounts);

@@ -28,7 +28,8 @@ pub struct Plan {
     pub disk: u64,
 }
 
-/// Hears of a stage and how many readings it goes over; what it gives hears of readings as they are done.
+/// Hears of a stage, by a word for people (`sorting`, `weighing`, [`MAPPING`]), and how many readings it goes over, each as often as
+/// it is taken; what it gives hears of readings as they are done.
 pub type Progress<'a> = &'a dyn Fn(&'static str, u64) -> Box<dyn Fn(u64)>;
 
 /// Memory that a run leaves alone where no cap is given, as a share: others want some too.
@@ -95,6 +96,9 @@ pub struct Done {
     pub busy: Vec<(String, f64)>,
 }
 
+/// The last stage's name: its chunks are written as they are finished.
+pub const MAPPING: &str = "mapping";
+
 /// Maps a log into an open map. Spilled readings and what a resumed run needs lie in `folder`.
 ///
 /// # Errors
@@ -113,7 +117,7 @@ pub fn map(
         clock = Instant::now();
     };
     let used = session.survey.counts.used;
-    let mut run = Run::begin(session, plan.batch, folder, plan.bins, &*progress("bin", used))?;
+    let mut run = Run::begin(session, plan.batch, folder, plan.bins, &*progress("sorting", used))?;
     lap("bin");
     let rounds = session.method.rounds().unwrap_or_default();
     let binned: u64 = run.places().iter().map(|p| p.1).sum();
@@ -125,7 +129,7 @@ pub fn map(
             Some(words) => *run.found() = words,
             None => {
                 let traversals = before.iter().map(|r| r.len() as u64).sum::<u64>();
-                run.gather(backend, &*progress("gather", binned * traversals))?;
+                run.gather(backend, &*progress("weighing", binned * traversals))?;
                 keep(folder, run.found())?;
             }
         }
@@ -134,7 +138,7 @@ pub fn map(
     let done = writer.done();
     let rest = run.places().iter().filter(|p| !done.contains(&p.0)).map(|p| p.1).sum::<u64>();
     let traversals = rounds.last().map_or(1, |r| r.len() as u64);
-    let bar = progress("map", rest * traversals);
+    let bar = progress(MAPPING, rest * traversals);
     run.finish(backend, &done, &*bar, &mut |chunk| {
         let crate::mapper::Finished { map, combined, .. } = &chunk.finished;
         writer.chunk(chunk.place, map, combined)

@@ -5,8 +5,11 @@ use std::io::Write;
 
 const KNOWN: &str = "Known are: a sonar_ring_8 folder (sonar.txt or measurement.txt or laser.txt, with od.txt or \
                      poses.txt); echogrid's JSON Lines (first line {\"echogrid_log\":1,\"sensors\":[…]}); echogrid's CSV \
-                     (a row of names: t,scan,sensor,px,py,ph,z); a CARMEN text log (FLASER, RLASER or ROBOTLASER1 \
-                     lines), plain or gzip; a MATLAB .mat file (version 5) with robotPose and laserScan";
+                     (a row of names: t,scan,sensor,px,py,ph,z); a ROS topic as CSV (rostopic echo -p, ros2 topic echo \
+                     --csv: LaserScan or Range, with --poses); an ARIA laser log (.2d, LaserOdometryLog); a Player log \
+                     (writelog: time host robot interface index …); a robotdata log of CMU's course 16-833 (L and O lines, \
+                     centimetres); a CARMEN text log (FLASER, RLASER or ROBOTLASER1 lines), plain or gzip; a MATLAB .mat \
+                     file (version 5 to 7) of poses and scans; an Octave text file (save -text) of poses and scans";
 
 fn gz(text: &str) -> Vec<u8> {
     let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
@@ -32,7 +35,7 @@ fn no_log() {
     refused(&place, "empty.log", 3, "echogrid: empty.log: is empty");
     refused(&place, "empty.gz", 3, "echogrid: empty.gz: is empty once unpacked");
     refused(&place, "-", 3, "echogrid: <stdin>: is empty");
-    refused(&place, "folder", 3, &format!("echogrid: folder: no log in this folder. {KNOWN}"));
+    refused(&place, "folder", 3, &format!("echogrid: folder: no log in this folder: it holds no file. {KNOWN}"));
 }
 
 #[test]
@@ -42,7 +45,9 @@ fn noise_and_prose() {
     place.write("noise.log", noise);
     place.write("prose.log", "Dear diary,\n");
     refused(&place, "noise.log", 3, &format!("echogrid: noise.log: is binary, not a log. {KNOWN}"));
-    refused(&place, "prose.log", 3, &format!("echogrid: prose.log: is of no known format. {KNOWN}"));
+    let what = "is of no known format; line 1 is 'Dear diary,'. A table is read with its columns named, --columns \
+                t,x,y,heading,range (docs/formats.md)";
+    refused(&place, "prose.log", 3, &format!("echogrid: prose.log: {what}. {KNOWN}"));
 }
 
 #[test]

@@ -17,11 +17,11 @@ fn a_map_equals_itself() {
     assert_eq!(
         ran.out,
         "layer        cells differ      largest  worst cell
-log_odds                0   0.000000e0
-p_occ                   0   0.000000e0
-p_emp                   0   0.000000e0
-touched                 0   0.000000e0
-class                   0   0.000000e0
+log_odds                0            0
+p_occ                   0            0
+p_emp                   0            0
+touched                 0            0
+class                   0            0
 equal: 1900 cells, to the bit
 "
     );
@@ -39,7 +39,7 @@ fn another_parameter_is_a_difference_with_its_worst_cell() {
     let worst = row.split_once("  (").unwrap().1;
     let (at, values) = worst.split_once(" m: ").unwrap();
     let (a, b) = values.split_once(" and ").unwrap();
-    assert!(at.contains(") at "), "{row}");
+    assert!(at.contains(") at ") && row.chars().count() <= 100, "{row}");
     assert!(a.parse::<f64>().unwrap() > b.parse::<f64>().unwrap(), "{row}: a smaller Max_occ occupies less");
     let verdict = ran.out.lines().last().unwrap();
     assert!(verdict.starts_with("different: of 1900 cells 0 touched by one map only, "), "{verdict}");
