@@ -174,6 +174,9 @@ fn what_is_the_user_s_in_a_map_s_folder_is_kept() {
 #[test]
 fn every_method_s_map_is_replaced_whatever_was_written() {
     let place = Place::new();
+    // The semantic methods need labels.
+    let labelled = SMALL.replacen("\"sensors\"", "\"classes\":[\"wall\"],\"sensors\"", 1);
+    place.write("log.jsonl", labelled.replacen("\"z\":1.5", "\"z\":1.5,\"label\":1", 1));
     for entry in echogrid::method::REGISTRY.iter().filter(|e| e.name != "truth") {
         let working = ["certainty", "bayes", "dempster-shafer", "himm"].contains(&entry.name);
         let more = if working { &["--npy", "--working", "1"][..] } else { &["--npy"] };
