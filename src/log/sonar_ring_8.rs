@@ -50,7 +50,8 @@ impl Format for SonarRing8 {
         let folder = match place {
             Place::Folder(folder) => folder,
             Place::File(input) => {
-                let what = "one file of a sonar_ring_8 log: name the folder that holds it, with readings and poses";
+                let what = "one file of a sonar_ring_8 log: name the folder that holds it, with readings and poses; or, if it is \
+                            another table, name its columns with --columns (docs/formats.md)";
                 return Err(Error::input(input.path(), what));
             }
         };

@@ -131,9 +131,6 @@ impl Plot {
             if let Ok(number) = angle(&field.path) {
                 return Ok(Some(vec![number * field.scale]));
             }
-            if let Some(at) = fields.iter().find(|f| f.key == key).and_then(|f| f.path.parse::<f64>().ok()) {
-                return Ok(Some(vec![at * field.scale]));
-            }
             Ok(Some(series(&array(field)?, key)?.into_iter().map(|v| v * field.scale).collect()))
         };
         let (poses, by_columns) = match field("pose") {
