@@ -6,9 +6,17 @@
 mod command;
 #[path = "score/common.rs"]
 mod common;
+#[path = "data/mod.rs"]
+mod data;
 #[path = "score/levels.rs"]
 mod levels;
 #[path = "score/maps.rs"]
 mod maps;
 #[path = "score/numbers.rs"]
 mod numbers;
+#[path = "score/pictures.rs"]
+mod pictures;
+#[path = "score/ros.rs"]
+mod ros;
+#[path = "score/yaml.rs"]
+mod yaml;

@@ -11,7 +11,7 @@ use crate::output::{Folder, Report, Unfinished};
 use crate::score::{Numbers, Options, Score, Truth, open_map, score, write_report};
 use crate::sensor::Overrides;
 use crate::session::{Request, Session};
-use crate::world::{World, simulate};
+use crate::world::{Shipped, World, simulate};
 use crate::{Error, Result};
 use clap::ValueHint;
 use std::fs::File;
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The demo's world, its seed and its cells, metres.
-const WORLD: &str = include_str!("../../worlds/bend.toml");
+const WORLD: &str = "bend";
 const SEED: u64 = 1;
 const RESOLUTION: f64 = 0.05;
 /// A method whose name has this at its end trusts echoes up to 2 m only.
@@ -54,7 +54,7 @@ impl Demo {
         let [file, log] = ["bend.toml", "bend.jsonl"].map(|name| self.output.join(name));
         self.check(&file)?;
         std::fs::create_dir_all(&self.output).map_err(unwritable)?;
-        std::fs::write(&file, WORLD).map_err(unwritable)?;
+        std::fs::write(&file, world_text()).map_err(unwritable)?;
         let world = World::open(&file)?;
         let out = BufWriter::new(File::create(&log).map_err(unwritable)?);
         let (done, _) = simulate(&world, &world.rig, SEED, None, out, &|_| {})?;
@@ -85,13 +85,15 @@ impl Demo {
         say!("Computed on the {why}. In {:.1} s.", started.elapsed().as_secs_f64());
         say!("{}", ABOUT.trim_end());
         say!("");
+        say!("{}", which(&scores));
+        say!("");
         say!("Look at {}, then map a log of your own: echogrid map LOG -o DIR", page.display());
         Ok(0)
     }
 
     /// Refuses a folder in which the demo would replace what isn't a demo's: names such as `bayes` may be those of the user's maps.
     fn check(&self, world: &Path) -> Result<()> {
-        let ours = std::fs::read_to_string(world).is_ok_and(|text| text == WORLD);
+        let ours = std::fs::read_to_string(world).is_ok_and(|text| text == world_text());
         let names = ["bend.toml", "bend.jsonl", "score"].map(String::from).into_iter().chain(runs().map(|run| run.0));
         if let Some(name) = names.into_iter().find(|name| !ours && self.output.join(name).exists()) {
             return Err(Error::Resources(format!(
@@ -132,10 +134,32 @@ impl Demo {
     }
 }
 
+/// The demo's world.
+fn world_text() -> &'static str {
+    Shipped::named(Path::new(WORLD)).map_or("", |shipped| shipped.text)
+}
+
 /// The maps: each one's name, its method, and how far it trusts echoes.
 fn runs() -> impl Iterator<Item = (String, &'static str, Option<f64>)> {
     let methods = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth");
     methods.map(|m| (m.to_string(), m, None)).chain([(format!("bayes{}", NEAR.0), "bayes", Some(NEAR.1))])
+}
+
+/// Which method to take, with the figures above.
+fn which(scores: &[Score]) -> String {
+    let danger = |name: &str| {
+        let score = scores.iter().find(|s| Path::new(&s.path).file_name().is_some_and(|f| f == name));
+        score.and_then(|s| s.numbers.danger).map_or("-".into(), |v| format!("{v:.3}"))
+    };
+    format!(
+        "Which method? Dense sonar scans, as here: features (danger {}); the default, bayes, has {}, with hit_range=2 {}.\n\
+         A sparse ring of sonars: bayes, the default. A laser: bayes, with model=constant, its default there.\n\
+         With figures of real logs: {}/blob/main/docs/methods.md",
+        danger("features"),
+        danger("bayes"),
+        danger(&format!("bayes{}", NEAR.0)),
+        env!("CARGO_PKG_REPOSITORY")
+    )
 }
 
 /// One map's line.

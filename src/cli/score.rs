@@ -1,7 +1,7 @@
 //! `echogrid score`.
 
 use super::{note, say};
-use crate::score::{Check, Options, Requirement, Score, Truth, open_map, score, table, write_report};
+use crate::score::{Check, Options, Requirement, Score, Truth, open_map_noting, score, table, write_report};
 use crate::{Error, Result};
 use clap::ValueHint;
 use serde_json::json;
@@ -16,7 +16,7 @@ pub struct Command {
     /// Maps: folders that `echogrid map` wrote, or ROS maps by their .yaml file
     #[arg(required = true, value_name = "MAP", value_hint = ValueHint::AnyPath)]
     maps: Vec<PathBuf>,
-    /// What is true: a world's .toml, or a map, such as the laser map of the same run (--method truth)
+    /// What is true: a world (a built-in one, such as room, or its .toml), or a map, such as the laser map of the same run (--method truth)
     #[arg(short, long, value_name = "WORLD|MAP", value_hint = ValueHint::AnyPath)]
     truth: PathBuf,
     /// Demand something of every map, such as "danger<=0.02", as often as needed; exit code 1 if it does not hold
@@ -44,11 +44,12 @@ impl Command {
     pub fn run(self) -> Result<u8> {
         let options = Options { tolerance: self.tolerance as usize, decide: self.decide()? };
         self.output.as_deref().map_or(Ok(()), check)?;
-        let truth = Truth::open(&self.truth, self.r_max)?;
+        let truth = Truth::open_noting(&self.truth, self.r_max, &mut |what| note!("{what}"))?;
         let mut scores: Vec<Score> = Vec::new();
         for path in &self.maps {
             let name = path.display().to_string();
-            scores.push(score(&name, &open_map(path)?, &truth, &options).map_err(|e| about(&name, e))?);
+            let map = open_map_noting(path, &mut |what| note!("{what}"))?;
+            scores.push(score(&name, &map, &truth, &options).map_err(|e| about(&name, e))?);
         }
         let mut checks: Vec<Check> = Vec::new();
         for requirement in &self.require {

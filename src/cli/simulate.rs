@@ -2,8 +2,8 @@
 
 use super::common::{bar, threads, use_threads};
 use super::offered::Offered;
-use super::{interrupt, say};
-use crate::world::{Rig, World, simulate};
+use super::{interrupt, note, say};
+use crate::world::{Rig, SHIPPED, Shipped, World, simulate};
 use crate::{Error, Result};
 use clap::ValueHint;
 use std::fs::File;
@@ -15,12 +15,15 @@ use tempfile::NamedTempFile;
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
-    /// The world: a TOML file, such as worlds/room.toml
-    #[arg(value_hint = ValueHint::FilePath)]
-    world: PathBuf,
+    /// The world: a built-in one, such as room, or a TOML file
+    #[arg(required_unless_present = "list", value_hint = ValueHint::FilePath)]
+    world: Option<PathBuf>,
     /// The log to write (echogrid's JSON Lines), or - for standard output
-    #[arg(short, long, value_name = "LOG", value_hint = ValueHint::FilePath)]
-    output: PathBuf,
+    #[arg(short, long, value_name = "LOG", value_hint = ValueHint::FilePath, required_unless_present = "list")]
+    output: Option<PathBuf>,
+    /// List the built-in worlds
+    #[arg(long, exclusive = true)]
+    list: bool,
     /// The same seed gives the same log, on any number of threads
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -47,7 +50,13 @@ pub struct Simulate {
 impl Simulate {
     /// Simulates, and says how it went.
     pub fn run(self) -> Result<u8> {
-        let world = World::open(&self.world)?;
+        // without --list both are required
+        let (Some(name), Some(output)) = (&self.world, &self.output) else {
+            SHIPPED.iter().for_each(|s| say!("{:<10}{}", s.name, s.about()));
+            return Ok(0);
+        };
+        Shipped::beside_file(name).iter().for_each(|what| note!("{what}"));
+        let world = World::find(name)?;
         let mut rig = match &self.rig {
             Some(name) => Rig::named(name)?,
             None => world.rig.clone(),
@@ -55,14 +64,14 @@ impl Simulate {
         rig.physics.bounces = self.bounces.unwrap_or(rig.physics.bounces);
         rig.physics.specular &= !self.no_specular;
         use_threads(self.threads)?;
-        let to_stdout = self.output == Path::new("-");
-        let out = Target::open(&self.output)?;
+        let to_stdout = output == Path::new("-");
+        let out = Target::open(output)?;
         let bar = bar(self.scans.unwrap_or(world.stops.len() as u64), "simulating", self.quiet);
         let started = Instant::now();
         let out = BufWriter::with_capacity(1 << 20, out);
         let (done, out) = simulate(&world, &rig, self.seed, self.scans, out, &|n| bar.set_position(n))?;
         drop(bar);
-        out.into_inner().map_err(|e| unwritable(&self.output, e))?.finish(&self.output)?;
+        out.into_inner().map_err(|e| unwritable(output, e))?.finish(output)?;
         let seconds = started.elapsed().as_secs_f64();
         if !self.quiet && !to_stdout {
             say!(
@@ -74,7 +83,7 @@ impl Simulate {
                 100.0 * done.no_echo as f64 / done.readings as f64,
                 done.readings as f64 / seconds
             );
-            say!("Next: echogrid map {} -o DIR", self.output.display());
+            say!("Next: echogrid map {} -o DIR", output.display());
         }
         Ok(0)
     }

@@ -1,12 +1,12 @@
 //! `echogrid truth`: a world's true map, as a map's folder like any other.
 
 use super::common::{bounds, metres, number};
-use super::{interrupt, say};
+use super::{interrupt, note, say};
 use crate::grid::GridSpec;
 use crate::layers::of_classes;
 use crate::output::{self, Folder, LogInfo, RunInfo};
 use crate::score::{reach, wider};
-use crate::world::{World, true_map};
+use crate::world::{Shipped, World, true_map};
 use crate::{Result, memory};
 use clap::ValueHint;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ const CELL: u64 = 16;
 /// Arguments of `truth`.
 #[derive(Debug, clap::Args)]
 pub struct Command {
-    /// The world: a TOML file, such as worlds/room.toml
+    /// The world: a built-in one (`echogrid simulate --list`), such as room, or a TOML file
     #[arg(value_hint = ValueHint::FilePath)]
     world: PathBuf,
     /// Folder of the map; an echogrid map there is replaced when the new one is complete
@@ -41,7 +41,8 @@ impl Command {
     /// Draws the true map.
     pub fn run(self) -> Result<u8> {
         let bounds = bounds(self.bounds.as_deref(), self.resolution)?;
-        let world = World::open(&self.world)?;
+        Shipped::beside_file(&self.world).iter().for_each(|what| note!("{what}"));
+        let world = World::find(&self.world)?;
         let r_max = reach(&world, self.r_max)?;
         let grid = match bounds {
             Some(bounds) => GridSpec::from_bounds(bounds, self.resolution)?,

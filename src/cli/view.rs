@@ -29,7 +29,7 @@ pub struct Command {
     /// Of a map: another map beside it, of cells of the same size, and their difference
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     with: Option<PathBuf>,
-    /// Of a map: what is true, a world's .toml or a map, to see the map's errors and its score
+    /// Of a map: what is true, a world (built in, or its .toml) or a map, to see the map's errors and its score
     #[arg(long, value_name = "WORLD|MAP", value_hint = ValueHint::AnyPath)]
     truth: Option<PathBuf>,
     /// Address to listen on; any but this one lets other machines in, unencrypted
@@ -73,7 +73,9 @@ impl Command {
             }
             super::common::use_threads(self.log.threads)?;
             let beside = Beside { with: self.with.as_deref(), truth: self.truth.as_deref(), memory: self.memory };
-            return Ok(Arc::new(MapView::open(path, &beside)?));
+            let view = MapView::open(path, &beside)?;
+            view.notes().iter().for_each(|what| note!("{what}"));
+            return Ok(Arc::new(view));
         }
         if self.with.is_some() || self.truth.is_some() {
             let option = if self.with.is_some() { "--with" } else { "--truth" };

@@ -27,7 +27,10 @@ fn options() -> Vec<(&'static str, Vec<&'static str>)> {
             ]),
         ),
         ("verify", log(&["--backends", "--pictures", "--memory", "--json", "--quiet"])),
-        ("simulate", vec!["--output", "--seed", "--rig", "--scans", "--bounces", "--no-specular", "--threads"]),
+        (
+            "simulate",
+            vec!["--output", "--list", "--seed", "--rig", "--scans", "--bounces", "--no-specular", "--threads"],
+        ),
         ("truth", vec!["--output", "--resolution", "--bounds", "--r-max", "--quiet"]),
         ("view", log(&["--with", "--truth", "--bind", "--port", "--memory"])),
         ("score", vec!["--truth", "--require", "--tolerance", "--decide", "--output", "--json"]),

@@ -13,7 +13,7 @@ fn more_memory_than_allowed_or_there_is() {
     };
     let small = need(
         &["map", "log.jsonl", "-o", "out", "--memory", "1MB"],
-        "echogrid: a map of 82 × 82 cells of 0.05 m needs ",
+        "echogrid: a map of 50 × 38 cells of 0.05 m needs ",
         " MiB, but --memory allows 977 KiB: give smaller --bounds or a coarser --resolution\n",
     );
     // Three chunks of 1024 × 1024 cells on their way and a spare one, of five words a cell each; and not a whole batch where

@@ -14,7 +14,8 @@ fn on_terminal(place: &Place, columns: usize, command: &str) -> Option<String> {
     script.args(["-qec", &line, "/dev/null"]).current_dir(place.path("")).stdin(Stdio::null());
     script.env("TERM", "xterm").env("XDG_RUNTIME_DIR", place.path("run")).env_remove("COLUMNS");
     let Ok(ran) = script.output() else {
-        let _ = std::io::Write::write_all(&mut std::io::stderr(), b"SKIPPED: there is no `script` to make a terminal\n");
+        let _ =
+            std::io::Write::write_all(&mut std::io::stderr(), b"SKIPPED: there is no `script` to make a terminal\n");
         return None;
     };
     let text = String::from_utf8_lossy(&ran.stdout).into_owned();
@@ -67,7 +68,9 @@ fn bars_fit_the_terminal_and_name_their_stages() {
 fn an_interrupted_bar_does_not_garble_what_is_said() {
     let place = campus();
     let map = "echogrid map campus.jsonl -o out -m certainty -r 0.01 --backend cpu";
-    let Some(shown) = on_terminal(&place, 60, &format!("timeout --foreground -s INT 2 {map}; echo code $?")) else { return };
+    let Some(shown) = on_terminal(&place, 60, &format!("timeout --foreground -s INT 2 {map}; echo code $?")) else {
+        return;
+    };
     let lines: Vec<&str> = shown.split('\n').map(|l| l.trim_matches('\r')).collect();
     let said = lines.iter().position(|l| l.contains("interrupted: "));
     let said = said.unwrap_or_else(|| panic!("{shown:?}"));

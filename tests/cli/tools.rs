@@ -92,7 +92,7 @@ fn verify_as_a_table() {
     let ran = place.does(&["verify", "log.jsonl", "--backends", "cpu"]);
     let lines: Vec<&str> = ran.out.lines().collect();
     assert!(
-        lines[0].starts_with("bayes: 4 readings, 82 × 82 cells, ") && lines[0].ends_with(" cell updates"),
+        lines[0].starts_with("bayes: 4 readings, 50 × 38 cells, ") && lines[0].ends_with(" cell updates"),
         "{}",
         lines[0]
     );
@@ -141,7 +141,7 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     for line in [
         "log       echogrid-jsonl, 1 sensor",
         "readings  4 used of 8 in 4 scans, 0 bad lines, 0 other lines",
-        "grid      82 × 82 cells of 0.05 m from (-1.55, -2.05) to (2.55, 2.05) m",
+        "grid      50 × 38 cells of 0.05 m from (0.00, -0.45) to (2.50, 1.45) m",
         "  beta = 15 deg",
         "  r_max = 4 m",
         "  max_occ = 0.98",
@@ -153,7 +153,7 @@ fn plan_says_what_it_would_take_and_does_nothing() {
         (&plan["method"], &plan["format"], &plan["scans"]),
         (&json!("bayes"), &json!("echogrid-jsonl"), &json!(4))
     );
-    assert_eq!((&plan["cells"]["width"], &plan["readings"]["used"]), (&json!(82), &json!(4)));
+    assert_eq!((&plan["cells"]["width"], &plan["readings"]["used"]), (&json!(50), &json!(4)));
     assert_eq!((&plan["parameters"]["r_max"], &plan["parameters"]["max_occ"]), (&json!("4"), &json!("0.98")));
     assert_eq!((&plan["chunks"][0]["row"], &plan["chunks"][0]["column"]), (&json!(0), &json!(0)));
     assert!(plan["card"].as_u64().unwrap() > 4 * 20 * (1 << 20), "four chunks of 20 bytes a cell: {plan}");
@@ -367,6 +367,18 @@ fn demo_maps_and_scores_a_corridor_by_every_method() {
     }
     // what the text under the table says
     assert!(dangers[dangers.len() - 1] < 0.5 * dangers[2], "{dangers:?}");
+    let danger = |name: &str| format!("{:.3}", dangers[names.iter().position(|n| *n == name).unwrap()]);
+    let [features, bayes, near] = ["features", "bayes", "bayes-2m"].map(danger);
+    let which = format!("features (danger {features}); the default, bayes, has {bayes}, with hit_range=2 {near}.");
+    assert!(ran.out.contains(&which), "{which}: {}", ran.out);
+    // and what README.md and docs/methods.md say of it
+    for document in ["README.md", "docs/methods.md"] {
+        let text = std::fs::read_to_string(format!("{}/{document}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let which = text.split("# Which method?").nth(1).and_then(|t| t.split("\n- **A sparse").next()).unwrap();
+        for figure in [&features, &bayes, &near] {
+            assert!(which.contains(&figure[1..]), "{document} has no {figure}: {which}");
+        }
+    }
     let seconds = ran.out.split(" In ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
     assert!(seconds < 10.0, "{seconds} s");
     let page = std::fs::read_to_string(place.path("deep/demo/score/score.html")).unwrap();
