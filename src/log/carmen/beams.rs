@@ -110,7 +110,8 @@ pub(super) fn lay(layout: &Layout, parameters: &Parameters) -> (Beams, String) {
             (-PI / 2.0, PI / f64::from(gaps), origin)
         }
     };
-    let sure = (step * f64::from(count - 1)).to_degrees() > 170.0;
+    let gaps = if count.is_multiple_of(2) { count } else { count - 1 };
+    let sure = (step * f64::from(gaps)).to_degrees() > 170.0;
     let ahead = (step * f64::from(count - 1)).to_degrees() / 2.0;
     let ahead = (ahead * 1e4).round() / 1e4;
     let doubt = format!("; if the laser looks straight ahead, --set first_beam=-{ahead}deg");
