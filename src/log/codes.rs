@@ -154,7 +154,7 @@ mod tests {
             let mut random = Random(7);
             let mut ranges = Ranges::of(self.beams);
             let (mut x, mut y, mut heading) = (4.0, 3.0, 0.3);
-            for _ in 0..self.scans {
+            for scan in 0..self.scans {
                 for k in 0..self.beams {
                     let (s, c) = (heading - PI / 2.0 + f64::from(k) * self.step()).sin_cos();
                     let z = f64::min(
@@ -166,7 +166,8 @@ mod tests {
                     ranges.add(k as usize, if random.next() < self.share { code } else { z.min(self.cap) });
                 }
                 if !self.parked {
-                    (x, y, heading) = (x + 0.1 * random.next(), y + 0.08 * random.next(), heading + 0.05);
+                    let turn = 0.05 * scan as f64;
+                    (x, y, heading) = (5.0 + 2.0 * turn.sin(), 4.0 + 1.5 * (1.3 * turn).cos(), 0.3 + turn);
                 }
             }
             ranges

@@ -106,13 +106,15 @@ pub(super) fn lay(layout: &Layout, parameters: &Parameters) -> (Beams, String) {
         }
         _ => {
             let gaps = if count.is_multiple_of(2) { count } else { count - 1 };
-            let origin = format!("180° for a number of beams that no known laser has{contradiction}");
+            let origin = format!("the assumption that so many fill 180°{contradiction}");
             (-PI / 2.0, PI / f64::from(gaps), origin)
         }
     };
-    let sure = (step * f64::from(count - 1)).to_degrees() > 170.0;
+    let gaps = if count.is_multiple_of(2) { count } else { count - 1 };
+    let sure = (step * f64::from(gaps)).to_degrees() > 170.0;
     let ahead = (step * f64::from(count - 1)).to_degrees() / 2.0;
-    let doubt = format!("; if the laser looks straight ahead, --set first_beam={:.6}deg", -ahead);
+    let ahead = (ahead * 1e4).round() / 1e4;
+    let doubt = format!("; if the laser looks straight ahead, --set first_beam=-{ahead}deg");
     (Beams { count, first, step }, if sure { origin } else { origin + &doubt })
 }
 
