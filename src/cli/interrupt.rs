@@ -6,7 +6,7 @@
 
 use super::note;
 use crate::output::{begun, discard};
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, WeakProgressBar};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,8 +23,8 @@ static NOW: Mutex<Now> = Mutex::new(Now { bar: None, temporary: Vec::new(), outp
 
 /// What is under way.
 struct Now {
-    /// The progress bar that was shown last.
-    bar: Option<ProgressBar>,
+    /// The progress bar that was shown last. It ends with its owner: held here it would stay on the screen.
+    bar: Option<WeakProgressBar>,
     /// Files and folders that go when the command ends.
     temporary: Vec<PathBuf>,
     output: Option<Output>,
@@ -57,13 +57,13 @@ fn now() -> MutexGuard<'static, Now> {
 
 /// A bar that is on the screen from now on: it is taken away before anything is said.
 pub fn shows(bar: &ProgressBar) {
-    now().bar = Some(bar.clone());
+    now().bar = Some(bar.downgrade());
 }
 
 /// Prints something while a bar may be on the screen: the bar is taken away and drawn again.
 pub fn aside(print: impl FnOnce()) {
     // Who holds the lock has taken the bar away.
-    let bar = NOW.try_lock().ok().and_then(|now| now.bar.clone());
+    let bar = NOW.try_lock().ok().and_then(|now| now.bar.as_ref()?.upgrade());
     match bar.filter(|b| !b.is_finished()) {
         Some(bar) => bar.suspend(print),
         None => print(),
@@ -119,7 +119,7 @@ pub fn listen() {
 
 /// Waits until nothing is under way that must not be cut in two, cleans up, says what stays, and ends the process.
 fn end(signal: i32) {
-    if !clear(now().bar.take()) && std::io::stderr().is_terminal() {
+    if !clear(now().bar.take().and_then(|bar| bar.upgrade())) && std::io::stderr().is_terminal() {
         // The terminal shows ^C.
         let _ = writeln!(std::io::stderr());
     }
@@ -132,7 +132,7 @@ fn end(signal: i32) {
         }
     };
     let mut now = now();
-    clear(now.bar.take());
+    clear(now.bar.take().and_then(|bar| bar.upgrade()));
     if let Some(output) = now.output.take() {
         let stays = output.writing || begun(&output.partial);
         if !stays {
