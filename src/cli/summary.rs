@@ -154,12 +154,13 @@ fn advice(session: &Session) -> Option<String> {
         );
     }
     let a_scan = session.survey.counts.read / session.survey.scans.max(1);
-    let rings = if sensors.len() >= RING { Some("a ring of sonars") } else { None };
-    let what = if a_scan >= CIRCLE * sensors.len() as u64 { Some("circular scans") } else { rings };
-    what.map(|what| {
-        format!(
-            "hint: these are {what}; --method features finds the walls first, so that mirrored echoes free none of them \
-             (docs/methods.md)"
-        )
-    })
+    if a_scan >= CIRCLE * sensors.len() as u64 {
+        return Some(
+            "hint: these are circular scans; --method features finds the walls first, and far fewer of them are shown as empty (README, Which method?)"
+                .into(),
+        );
+    }
+    // On real rings features is the more accurate, and bayes shows fewer walls as empty: docs/features.md.
+    let ring = "hint: this is a ring of sonars; --method features finds the walls first, and is more accurate on most rings (docs/features.md)";
+    (sensors.len() >= RING).then(|| ring.into())
 }
