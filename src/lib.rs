@@ -37,6 +37,8 @@ pub mod view;
 pub mod cli;
 pub mod error;
 mod positioned;
+mod similar;
+mod wrapped;
 
 pub use error::{Error, Result};
 

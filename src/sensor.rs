@@ -13,7 +13,8 @@ pub use file::{SensorFile, preset};
 pub use overrides::{Mounts, OVERRIDE_KEYS, Overrides};
 pub use quantity::{angle, length};
 
-pub(crate) use description::{SensorKey, Value, similar};
+pub(crate) use crate::similar::similar;
+pub(crate) use description::{SensorKey, Value};
 
 use serde::{Deserialize, Serialize};
 

@@ -17,7 +17,7 @@ use crate::reading::{Counts, Reading, Record, judge};
 use crate::scan::{Scan, Scans};
 use crate::sensor::{Kind, Overrides, Sensor};
 use crate::snap::Edges;
-use crate::survey::{Survey, survey};
+use crate::survey::{Look, Spread, Survey, survey};
 use crate::update;
 use crate::wedge;
 use crate::whole::Scanned;
@@ -106,7 +106,13 @@ impl Session {
         // Given bounds are checked before the log is read through.
         let given = request.bounds.map(|b| GridSpec::from_bounds(b, request.resolution)).transpose()?;
         let until = request.until.unwrap_or(u64::MAX);
-        let survey = survey(&log, &sensors, request.resolution, until, options.overrides.r_max.is_some())?;
+        let look = Look {
+            resolution: request.resolution,
+            until,
+            r_max_set: options.overrides.r_max.is_some(),
+            spread: spread(&request.settings),
+        };
+        let survey = survey(&log, &sensors, &look)?;
         if let (true, Some(first)) = (request.strict, survey.bad_lines.first.first()) {
             let more = match survey.bad_lines.count - 1 {
                 0 => String::new(),
@@ -323,6 +329,15 @@ fn lasers_only(path: &std::path::Path, request: &Request, error: Error) -> Error
             "it holds laser readings alone, and method features finds walls in a sonar's: map it with --method bayes",
         ),
         false => error,
+    }
+}
+
+/// How far around a beam a method updates cells.
+fn spread(settings: &Settings) -> Spread {
+    match settings {
+        Settings::Csm(csm) if csm.continuous => Spread { beside: csm.l, half_width: 0.0 },
+        Settings::Csm(csm) => Spread { beside: csm.w_obstacle.unwrap_or(0.0) / 2.0, half_width: csm.w_beam / 2.0 },
+        _ => Spread::default(),
     }
 }
 

@@ -8,6 +8,8 @@ use crate::output::BadLines;
 use crate::reading::{Counts, Outcome, Pose, judge};
 use crate::sensor::Sensor;
 use crate::{Error, Result};
+pub use covered::Spread;
+
 use covered::Covered;
 use doubts::Doubts;
 use std::path::Path;
@@ -41,11 +43,24 @@ pub struct Survey {
     pub jump: (f64, u64, Pose),
 }
 
-/// Reads the log through, up to the `until`-th used reading. `r_max_set`: the user has said where the sensors' scale ends.
+/// What a survey needs to know of the run.
+#[derive(Debug, Clone, Copy)]
+pub struct Look {
+    /// Edge of a cell, metres.
+    pub resolution: f64,
+    /// Only the first so many used readings.
+    pub until: u64,
+    /// The user has said where the sensors' scale ends.
+    pub r_max_set: bool,
+    /// What the method adds to a reading's cone.
+    pub spread: Spread,
+}
+
+/// Reads the log through.
 ///
 /// # Errors
 /// The log's.
-pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64, r_max_set: bool) -> Result<Survey> {
+pub fn survey(log: &Log, sensors: &[Sensor], look: &Look) -> Result<Survey> {
     let mut survey = Survey {
         counts: Counts::default(),
         labelled: 0,
@@ -60,7 +75,7 @@ pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64, r_max_
     let mut records = log.records()?;
     let (mut covered, mut doubts) = (Covered::nothing(), Doubts::of(sensors.len()));
     let (mut scan, mut last): (Option<u64>, Option<Pose>) = (None, None);
-    while survey.counts.used < until {
+    while survey.counts.used < look.until {
         let record = match records.next() {
             None => break,
             Some(Ok(record)) => record,
@@ -91,11 +106,11 @@ pub fn survey(log: &Log, sensors: &[Sensor], resolution: f64, until: u64, r_max_
             survey.jump = (step, record.line, at);
         }
         last = Some(at);
-        covered.add(&reading, sensor, resolution);
+        covered.add(&reading, sensor, look.resolution, look.spread);
     }
     survey.ignored = records.ignored();
     survey.covered = covered.corners();
-    survey.notes = doubts.tell(sensors, r_max_set);
+    survey.notes = doubts.tell(sensors, look.r_max_set);
     Ok(survey)
 }
 

@@ -13,6 +13,7 @@ use crate::reading::Reading;
 use crate::scan::Scan;
 use crate::session::Session;
 use crate::snap::Edges;
+use crate::wrapped::wrapped;
 use serde::Serialize;
 use std::fmt;
 
@@ -111,9 +112,11 @@ pub struct Verification {
     pub backends: Vec<BackendCheck>,
     /// Whether cpu and gpu gave the same bytes in every layer, where both ran.
     pub same_bytes: Option<bool>,
-    /// Backends that were asked for and could not run, and why.
+    /// Backends that were asked for and could not run, and why: what they would have given isn't known.
     pub skipped: Vec<String>,
-    /// Whether every backend passed.
+    /// Backends that the method doesn't have, and why.
+    pub absent: Vec<String>,
+    /// Whether every backend that was asked for, and that the method has, ran and passed.
     pub passed: bool,
 }
 
@@ -300,6 +303,25 @@ impl fmt::Display for Cell {
     }
 }
 
+impl Verification {
+    /// Whether a backend and the oracle differ.
+    pub fn differs(&self) -> bool {
+        self.backends.iter().any(|b| !b.passed)
+    }
+
+    /// The result in a line.
+    fn verdict(&self) -> String {
+        let ran: Vec<&str> = self.backends.iter().map(|b| b.backend.as_str()).collect();
+        match (self.differs(), self.skipped.is_empty()) {
+            (true, _) => "NOT EQUAL".into(),
+            (false, true) => "equal".into(),
+            (false, false) => {
+                format!("NOT VERIFIED: only oracle and {} were compared, and are equal", ran.join(" and "))
+            }
+        }
+    }
+}
+
 impl fmt::Display for Verification {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [width, height] = self.size;
@@ -307,10 +329,11 @@ impl fmt::Display for Verification {
         writeln!(f, "{method}: {readings} readings, {width} × {height} cells, {updates} cell updates")?;
         writeln!(f, "oracle  f64, one reading at a time ({:.2} s)", self.oracle_seconds)?;
         for b in &self.backends {
-            writeln!(f, "{:<7} {} ({:.2} s)", b.backend, b.adapter, b.seconds)?;
-            writeln!(f, "  membership differences  {}", b.membership)?;
+            let ran = format!("{:<7} {} ({:.2} s)", b.backend, b.adapter, b.seconds);
+            writeln!(f, "{}", wrapped(&ran, 8))?;
+            writeln!(f, "  cells that other readings reach  {}", b.membership)?;
             if let Some(cell) = &b.membership_cell {
-                writeln!(f, "    {cell}")?;
+                writeln!(f, "{}", wrapped(&format!("    the first: {cell}"), 6))?;
             }
             if b.counts > 0 {
                 writeln!(f, "  readings counted otherwise  {}", b.counts)?;
@@ -324,11 +347,13 @@ impl fmt::Display for Verification {
                     l.layer, l.largest, l.bound
                 )?;
                 match (&l.largest_cell, &l.worst) {
-                    (Some(a), Some(b)) if a == b => writeln!(f, "    largest, nearest to its bound: {a}")?,
+                    (Some(a), Some(b)) if a == b => {
+                        writeln!(f, "{}", wrapped(&format!("    largest, nearest to its bound: {a}"), 6))?;
+                    }
                     (a, b) => {
                         for (what, cell) in [("largest", a), ("nearest to its bound", b)] {
                             if let Some(cell) = cell {
-                                writeln!(f, "    {what}: {cell}")?;
+                                writeln!(f, "{}", wrapped(&format!("    {what}: {cell}"), 6))?;
                             }
                         }
                     }
@@ -344,9 +369,12 @@ impl fmt::Display for Verification {
         if let Some(same) = self.same_bytes {
             writeln!(f, "cpu and gpu: {}", if same { "the same bytes in every layer" } else { "not the same bytes" })?;
         }
-        for why in &self.skipped {
-            writeln!(f, "SKIPPED {why}")?;
+        for why in &self.absent {
+            writeln!(f, "{}", wrapped(why, 2))?;
         }
-        write!(f, "{}", if self.passed { "equal" } else { "NOT EQUAL" })
+        for why in &self.skipped {
+            writeln!(f, "{}", wrapped(&format!("SKIPPED {why}"), 2))?;
+        }
+        write!(f, "{}", self.verdict())
     }
 }

@@ -5,6 +5,7 @@
 use echogrid::Error;
 use echogrid::log::{Log, Options, Problem};
 use proptest::prelude::*;
+use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
@@ -50,7 +51,7 @@ fn no_log_at_all() {
     assert!(error.ends_with(": is empty"), "{error}");
     let noise: Vec<u8> = (0..5000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     assert!(refused(&noise).contains("is binary, not a log. Known are: a sonar_ring_8 folder"));
-    assert!(refused(b"Dear diary,\n").contains("is of no known format. Known are: "));
+    assert!(refused(b"Dear diary,\n").contains("is of no known format; line 1 is 'Dear diary,'. A table"));
     assert!(refused(b"BZh91AY").contains("packed with bzip2: unpack it first"));
     assert!(refused(b"1686487 0 0 0\n").contains("name the folder"));
     let folder = tempfile::tempdir().unwrap();
@@ -90,6 +91,126 @@ fn truncated_gzip_is_fatal_after_the_whole_lines() {
     damaged[end] ^= 0x55;
     let (_, bad) = read(&damaged);
     assert!(bad.len() == 1 && bad[0].contains("damaged"), "{bad:?}");
+}
+
+#[test]
+fn what_follows_gzip_is_passed_over_and_said() {
+    let (one, two) = (gz(&format!("{HEADER}{GOOD}")), gz(&GOOD.repeat(3000)));
+    let zeros = |n: usize| vec![0; n];
+    let other = |n: usize| {
+        format!(
+            "what follows its gzip data ({n} B) is no gzip and is passed over: if it belongs to the log, fetch it again"
+        )
+    };
+    let many = 600 << 10;
+    for (packed, good, note) in [
+        ([&one[..], &two].concat(), 3001, None),
+        ([&one[..], &zeros(512), &two].concat(), 3001, None),
+        ([&one[..], &two, &zeros(1)].concat(), 3001, Some("zeros after its gzip data are passed over (1 B)".into())),
+        ([&one[..], &zeros(many)].concat(), 1, Some(format!("zeros after its gzip data are passed over ({many} B)"))),
+        ([&one[..], b"garbage"].concat(), 1, Some(other(7))),
+        ([&one[..], b"\x1f"].concat(), 1, Some(other(1))),
+        ([&one[..], &zeros(512), b"garbage"].concat(), 1, Some(other(519))),
+        ([&one[..], &vec![b'x'; many]].concat(), 1, Some(other(many))),
+    ] {
+        let log = Log::read(&packed[..], &Options::default()).unwrap();
+        for _ in 0..2 {
+            assert_eq!(
+                (pass(&log), log.notes()),
+                ((good, Vec::new()), note.iter().cloned().collect()),
+                "{}",
+                packed.len()
+            );
+        }
+    }
+    // What begins as gzip and isn't, or ends too early, stays an error.
+    for packed in [
+        [&one[..], b"\x1f\x8bnot gzip at all"].concat(),
+        [&one[..], &two[..two.len() - 100]].concat(),
+        [&one[..], &two[..4]].concat(),
+    ] {
+        let (_, bad) = read(&packed);
+        assert!(bad.len() == 1 && (bad[0].contains("truncated") || bad[0].contains("damaged")), "{bad:?}");
+    }
+}
+
+/// A log's readings, bad lines, notes and checksum.
+fn whole(log: &Log) -> (usize, Vec<String>, Vec<String>, String) {
+    let (good, bad) = pass(log);
+    (good, bad, log.notes(), log.sha256().unwrap())
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    use sha2::{Digest, Sha256};
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[test]
+fn a_log_that_grows_is_read_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.jsonl");
+    let append = |text: &str| File::options().append(true).open(&path).unwrap().write_all(text.as_bytes()).unwrap();
+    let start = format!("{HEADER}{}", GOOD.repeat(20_000));
+    // The last line whole, and half of it written; a CSV log, too.
+    for (half, kept) in [("", 20_000), ("{\"scan\":0,\"sensor\":0,\"px\":0,\"py\":0,\"ph\":0,\"z\":1", 20_000)] {
+        std::fs::write(&path, format!("{start}{half}")).unwrap();
+        let log = Log::open(&path, &Options::default()).unwrap();
+        append(&format!("2}}\n{GOOD}"));
+        let (good, bad, notes, sum) = whole(&log);
+        assert_eq!((good, bad.len()), (kept, 0), "{bad:?}");
+        assert_eq!(sum, sha256(start.as_bytes()));
+        assert!(
+            notes[0].starts_with("another program is writing it: it is read as it was when it was opened"),
+            "{notes:?}"
+        );
+        assert_eq!(notes.iter().any(|n| n.contains("half written")), !half.is_empty(), "{notes:?}");
+        append(&GOOD.repeat(5000));
+        assert_eq!(whole(&log), (good, bad, notes, sum));
+    }
+}
+
+#[test]
+fn a_log_that_is_changed_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.jsonl");
+    let start = format!("{HEADER}{}", GOOD.repeat(20_000));
+    std::fs::write(&path, &start).unwrap();
+    let log = Log::open(&path, &Options::default()).unwrap();
+    assert_eq!(pass(&log), (20_000, Vec::new()));
+    let name = path.display();
+    std::fs::write(&path, start.replace("\"z\":1}", "\"z\":2}")).unwrap();
+    let (_, bad) = pass(&log);
+    let what = format!(
+        "{name}: was changed while it was read, after byte 0: map it again when nothing writes it, or map a copy"
+    );
+    assert_eq!(bad, [what.as_str()]);
+    assert_eq!(log.sha256().unwrap_err().to_string(), what);
+    std::fs::write(&path, &start[..start.len() / 2]).unwrap();
+    let (_, bad) = pass(&log);
+    let what = format!("{name}: became shorter while it was read: map it again when nothing writes it, or map a copy");
+    assert_eq!(bad, [what]);
+}
+
+#[test]
+fn a_folder_whose_files_grow_is_read_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let [sonar, poses] = ["sonar.txt", "od.txt"].map(|name| folder.path().join(name));
+    let rows = |range: std::ops::Range<u32>, of: &str| range.map(|t| format!("{t} {of}\n")).collect::<String>();
+    let (ranges, pose) = ("1000 1000 1000 1000 1000 1000 1000 1000", "0 0 0");
+    std::fs::write(&sonar, rows(0..500, ranges) + "500 1000 10").unwrap();
+    std::fs::write(&poses, rows(0..490, pose)).unwrap();
+    let log = Log::open(folder.path(), &Options::default()).unwrap();
+    let append =
+        |path: &Path, text: &str| File::options().append(true).open(path).unwrap().write_all(text.as_bytes()).unwrap();
+    append(&sonar, "00 1000 1000 1000 1000 1000 1000\n");
+    append(&poses, &rows(490..600, pose));
+    for _ in 0..2 {
+        assert_eq!(pass(&log), (490 * 8, Vec::new()));
+    }
+    let notes = log.notes();
+    assert!(notes.iter().any(|n| n.starts_with("rows at the end of one file")), "{notes:?}");
+    assert!(notes.iter().any(|n| n.starts_with("sonar.txt: another program is writing it")), "{notes:?}");
+    assert_eq!(log.sha256().unwrap(), sha256((rows(0..500, ranges) + &rows(0..490, pose)).as_bytes()));
 }
 
 #[test]

@@ -2,25 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "data/mod.rs"]
+mod data;
+
+use data::data;
 use echogrid::log::{Log, Options, Problem};
 use echogrid::reading::{Counts, Record, Unused, judge};
 use echogrid::sensor::{Kind, Overrides};
-use std::io::Write;
-use std::path::{Path, PathBuf};
-
-/// The path of a real log; `None`, loudly, where it is absent.
-fn data(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("ECHOGRID_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
-    let path = folder.join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    // Straight to the stream: the harness would swallow a print of a test that passes.
-    let text = format!("SKIPPED: no {} (set ECHOGRID_DATA to the folder of real logs)\n", path.display());
-    let _ = std::io::stderr().write_all(text.as_bytes());
-    None
-}
 
 fn read(log: &Log) -> Vec<Record> {
     log.records().unwrap().map(|r| r.unwrap()).collect()

@@ -80,9 +80,6 @@ fn its_commands_run_one_after_the_other() {
     );
     (0..5).for_each(|k| log += &(line(k, "s", 1.2) + &line(k, "l", 2.0)));
     std::fs::write(folder.path().join("LOG"), log).unwrap();
-    let worlds = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds");
-    std::fs::create_dir(folder.path().join("worlds")).unwrap();
-    std::fs::copy(worlds.join("bend.toml"), folder.path().join("worlds/bend.toml")).unwrap();
     let mut ran = 0;
     for command in commands(&readme()) {
         // a benchmark takes its time, and says nothing here; a page is served until somebody ends it
@@ -100,6 +97,64 @@ fn its_commands_run_one_after_the_other() {
         ran += 1;
     }
     assert!(ran >= 9, "{ran} commands ran");
+}
+
+/// What follows each `](` of a text, up to the bracket's end.
+fn links(text: &str) -> Vec<&str> {
+    text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect()
+}
+
+#[test]
+fn its_links_hold_outside_the_repository_too() {
+    let (text, root) = (readme(), std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
+    let repository = env!("CARGO_PKG_REPOSITORY");
+    let raw = repository.replace("https://github.com/", "https://raw.githubusercontent.com/");
+    let (blob, raw) = (format!("{repository}/blob/main/"), format!("{raw}/main/"));
+    let mut own = 0;
+    for link in links(&text) {
+        assert!(link.starts_with("https://") || link.starts_with('#'), "README.md: {link} is relative");
+        let Some(place) = link.strip_prefix(&blob).or(link.strip_prefix(&raw)) else { continue };
+        let (file, heading) = place.split_once('#').unwrap_or((place, ""));
+        assert!(root.join(file).exists(), "README.md: {link}: there is no {file}");
+        let picture = [".png", ".svg"].iter().any(|e| file.ends_with(e));
+        assert_eq!(link.starts_with(&raw), picture, "{link}");
+        let slug = |l: &str| l.trim_start_matches('#').trim().to_lowercase().replace(' ', "-").replace('?', "");
+        let told = std::fs::read_to_string(root.join(file)).unwrap_or_default();
+        let there = told.lines().any(|l| l.starts_with('#') && slug(l) == heading);
+        assert!(heading.is_empty() || there, "README.md: {link}: there is no such heading");
+        own += 1;
+    }
+    assert!(own > 15, "{own} links into the repository");
+}
+
+#[test]
+fn what_the_program_is_made_of_is_packed() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("Cargo.toml")).unwrap();
+    let table: toml::Table = text.parse().unwrap();
+    let package = &table["package"];
+    let include: Vec<&str> = package["include"].as_array().unwrap().iter().filter_map(|v| v.as_str()).collect();
+    assert!(include.iter().all(|p| root.join(&p[1..]).exists()), "{include:?}");
+    let packed = |path: &std::path::Path| include.iter().any(|p| path.starts_with(root.join(&p[1..])));
+    // every file that the sources build in
+    let (mut open, mut built_in) = (vec![root.join("src")], 0);
+    while let Some(place) = open.pop() {
+        if place.is_dir() {
+            open.extend(std::fs::read_dir(&place).unwrap().map(|e| e.unwrap().path()));
+            continue;
+        }
+        let text = std::fs::read_to_string(&place).unwrap();
+        for part in text.split("include_str!(\"").chain(text.split("include_bytes!(\"")).skip(1) {
+            let named = part.split('"').next().unwrap();
+            let path = place.parent().unwrap().join(named);
+            if named.starts_with("..") && path.exists() {
+                assert!(packed(&path.canonicalize().unwrap()), "{}: {named} isn't packed", place.display());
+                built_in += 1;
+            }
+        }
+    }
+    assert!(built_in > 20, "{built_in} files are built in");
+    assert!(include.contains(&"/worlds"));
 }
 
 #[test]

@@ -1,18 +1,33 @@
 //! `echogrid bench`.
 
 use super::common::{LogArguments, threads, use_threads, warn_of_jump, warn_of_log};
+use super::offered::{Offered, methods};
 use super::{note, say};
 use crate::kernels::ceiling::Ceilings;
 use crate::kernels::{Choice, choose, gpu_required};
 use crate::method::{self, REGISTRY, Unit, settings::Settings};
 use crate::throughput::{Measured, measure};
 use crate::workload::{Workload, cones, scans, standard, standard_scans};
+use crate::wrapped::wrapped;
 use crate::{Error, Result};
+use clap::ValueHint;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Characters of a workload's name in the table.
-const LONGEST: usize = 40;
+/// Characters of a workload's name in the table, and where a column tells how fast it was before.
+const LONGEST: [usize; 2] = [30, 22];
+/// Widths of the columns after it.
+const WIDTHS: [usize; 8] = [10, 11, 8, 8, 7, 12, 12, 8];
+
+/// What the columns tell.
+const LEGEND: &str = "
+M updates: millions of cell updates; one is one reading applied to one cell.
+whole: the median of the runs, from readings in memory to cells in memory; binning: what of it is
+spent on finding which tiles the readings reach, before the kernels.
+per update: bytes that an update moves if nothing is cached.
+of the limit: how much of what the processor can do at most, above, is reached in what is used most:
+floating-point operations (flop), integer ones (int) or memory traffic (bytes); whole: by the whole
+run; in kernels: by the kernels alone, by the processor's own clock.";
 
 /// A backend to measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -27,9 +42,10 @@ enum Measurable {
 #[derive(Debug, clap::Args)]
 pub struct Bench {
     /// Also measure on this log, at 0.05 m
+    #[arg(value_hint = ValueHint::AnyPath)]
     log: Option<PathBuf>,
     /// The methods, separated by commas [default: every one but truth]
-    #[arg(short, long, value_delimiter = ',')]
+    #[arg(short, long, value_delimiter = ',', value_parser = Offered(methods), hide_possible_values = true)]
     methods: Vec<String>,
     /// The backends
     #[arg(long, value_delimiter = ',', default_value = "cpu,gpu")]
@@ -47,7 +63,7 @@ pub struct Bench {
     #[arg(long)]
     growth: bool,
     /// Hold the figures against those of an earlier run, kept as JSON
-    #[arg(long, value_name = "OLD.json")]
+    #[arg(long, value_name = "OLD.json", value_hint = ValueHint::FilePath)]
     compare: Option<PathBuf>,
     /// Print the table as Markdown
     #[arg(long)]
@@ -119,6 +135,7 @@ impl Bench {
                 }
             }
         }
+        table.end();
         if self.json {
             let figures = json!({"version": env!("CARGO_PKG_VERSION"), "backends": backends, "measured": all});
             say!("{}", serde_json::to_string_pretty(&figures).unwrap_or_default());
@@ -133,12 +150,15 @@ struct Table {
     markdown: bool,
     silent: bool,
     compared: bool,
+    /// The method whose rows are being printed.
+    method: String,
 }
 
 impl Table {
     fn of<'a>(workloads: impl Iterator<Item = &'a Workload>, markdown: bool, silent: bool, compared: bool) -> Table {
         let widest = workloads.map(|w| w.name.chars().count()).max().unwrap_or(0);
-        Table { width: 2 + widest.clamp(15, LONGEST), markdown, silent, compared }
+        let width = widest.clamp(15, LONGEST[usize::from(compared)]);
+        Table { width, markdown, silent, compared, method: String::new() }
     }
 
     /// A backend's title, what it can do at most, and the columns' heads.
@@ -156,35 +176,40 @@ impl Table {
             )
         });
         let gap = if self.markdown { "\n" } else { "" };
-        say!("{gap}{title}{gap}");
+        say!("{gap}{}{gap}", wrapped(title, 2));
         most.iter().for_each(|m| say!("{m}{gap}"));
-        let mut heads = [
-            "method",
-            "workload",
-            "M updates/s",
-            "k readings/s",
-            "ms",
-            "binning",
-            "B/update",
-            "of ceiling",
-            "in kernels",
-            "passes, ms",
-        ]
-        .map(String::from)
-        .to_vec();
-        if self.compared {
-            heads.push("before".into());
-        }
-        self.line(&heads);
+        self.method.clear();
         if self.markdown {
+            let mut heads = vec![
+                "method",
+                "workload",
+                "M updates/s",
+                "k readings/s",
+                "ms",
+                "binning",
+                "B/update",
+                "of ceiling",
+                "in kernels",
+                "passes, ms",
+            ];
+            heads.extend(self.compared.then_some("before"));
+            say!("| {} |", heads.join(" | "));
             say!("|{}", "---|".repeat(heads.len()));
+            return;
+        }
+        for (first, heads) in [
+            ("", ["M updates", "k readings", "whole", "binning", "per", "of the", "limit", "times"]),
+            ("workload", ["a second", "a second", "ms", "ms", "update", "whole", "in kernels", "before"]),
+        ] {
+            self.line(first, &heads.map(String::from)[..WIDTHS.len() - usize::from(!self.compared)]);
         }
     }
 
-    fn row(&self, m: &Measured, before: Option<Option<f64>>) {
+    fn row(&mut self, m: &Measured, before: Option<Option<f64>>) {
+        if self.silent {
+            return;
+        }
         let mut cells = vec![
-            m.method.clone(),
-            short(&m.workload),
             format!("{:.1}", m.updates_per_second / 1e6),
             format!("{:.1}", m.readings_per_second / 1e3),
             format!("{:.1}", m.median * 1e3),
@@ -192,28 +217,36 @@ impl Table {
             format!("{:.1}", m.bytes),
             share(m.ceiling),
             share(m.kernels),
-            passes(m),
         ];
         // Faster or slower than it was, as a factor.
-        cells.extend(before.map(|b| b.map_or("-".into(), |old| format!("{:.2} x", m.updates_per_second / old))));
-        self.line(&cells);
+        let before = before.map(|b| b.map_or("-".into(), |old| format!("{:.2} x", m.updates_per_second / old)));
+        if self.markdown {
+            cells.push(passes(m, " "));
+            cells.extend(before);
+            say!("| {} | {} | {} |", m.method, m.workload, cells.join(" | "));
+            return;
+        }
+        cells.extend(before);
+        if self.method != m.method {
+            say!("{}", m.method);
+            self.method = m.method.clone();
+        }
+        self.line(&m.workload, &cells);
+        if m.passes.len() > 1 {
+            say!("    of which kernels, ms: {}", passes(m, ", "));
+        }
     }
 
-    fn line(&self, cells: &[String]) {
-        if self.silent {
-            return;
+    fn line(&self, workload: &str, cells: &[String]) {
+        let cells: String = cells.iter().zip(WIDTHS).map(|(text, width)| format!("{text:>width$}")).collect();
+        say!("  {:<1$}{cells}", short(workload, self.width), self.width);
+    }
+
+    /// What the columns tell.
+    fn end(&self) {
+        if !self.silent && !self.markdown {
+            say!("{LEGEND}");
         }
-        if self.markdown {
-            say!("| {} |", cells.join(" | "));
-            return;
-        }
-        const WIDTHS: [usize; 11] = [25, 0, 12, 14, 10, 10, 10, 12, 12, 44, 10];
-        let width = |k: usize| if k == 1 { self.width } else { WIDTHS[k] };
-        let cell = |(k, text): (usize, &String)| match k {
-            0 | 1 => format!("{text:<0$}", width(k)),
-            _ => format!("{text:>0$}", width(k)),
-        };
-        say!("{}", cells.iter().enumerate().map(cell).collect::<String>());
     }
 }
 
@@ -251,17 +284,17 @@ fn share(share: Option<(f64, &str)>) -> String {
 }
 
 /// What each kind of pass took, ms.
-fn passes(m: &Measured) -> String {
+fn passes(m: &Measured, joint: &str) -> String {
     let each: Vec<String> = m.passes.iter().map(|(name, s)| format!("{name} {:.2}", s * 1e3)).collect();
-    if each.is_empty() { "-".into() } else { each.join(" ") }
+    if each.is_empty() { "-".into() } else { each.join(joint) }
 }
 
 /// A name that fits its column.
-fn short(name: &str) -> String {
-    if name.chars().count() <= LONGEST {
+fn short(name: &str, most: usize) -> String {
+    if name.chars().count() <= most {
         return name.into();
     }
-    let end = name.char_indices().nth(LONGEST - 1).map_or(name.len(), |(at, _)| at);
+    let end = name.char_indices().nth(most - 1).map_or(name.len(), |(at, _)| at);
     format!("{}…", &name[..end])
 }
 

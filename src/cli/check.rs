@@ -1,10 +1,11 @@
 //! `echogrid check`.
 
+use super::common::{count, spinner};
 use super::{note, say};
 use crate::Result;
 use crate::memory::show;
 use crate::output::check;
-use indicatif::ProgressBar;
+use clap::ValueHint;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -12,6 +13,7 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 pub struct Command {
     /// The map's folder
+    #[arg(value_hint = ValueHint::DirPath)]
     map: PathBuf,
     /// Print what was found as JSON
     #[arg(long)]
@@ -21,9 +23,9 @@ pub struct Command {
 impl Command {
     /// Reads a stored map through; 1 if it is damaged.
     pub fn run(self) -> Result<u8> {
-        let bar = if self.json { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
-        let found = check(&self.map, &|| bar.tick())?;
-        bar.finish_and_clear();
+        let sign = spinner("checking", self.json);
+        let found = check(&self.map, &|| {})?;
+        drop(sign);
         let whole = found.problems.is_empty();
         if self.json {
             let all = json!({
@@ -32,9 +34,9 @@ impl Command {
             say!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
         } else {
             say!(
-                "{} layers, {} shards, {}: {}",
-                found.layers,
-                found.shards,
+                "{}, {}, {}: {}",
+                count(found.layers as u64, "layer"),
+                count(found.shards, "stored piece"),
                 show(found.bytes),
                 if whole { "whole" } else { "damaged" }
             );

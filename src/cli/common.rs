@@ -1,6 +1,7 @@
 //! Arguments that several commands share, and what they come to.
 
-use super::note;
+use super::offered::{Offered, methods, settings};
+use super::{interrupt, note, say};
 use crate::grid::GridSpec;
 use crate::kernels::Choice;
 use crate::log;
@@ -9,8 +10,9 @@ use crate::method::{self, REGISTRY};
 use crate::reading::Counts;
 use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, length};
 use crate::session::{Request, Session};
+use crate::wrapped::wrapped;
 use crate::{Error, Result};
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -53,9 +55,11 @@ impl BackendArgument {
 #[derive(Debug, Clone, Args)]
 pub struct LogArguments {
     /// The log: a file, a sonar_ring_8 folder, or - for standard input; its format is found by content
+    #[arg(value_hint = ValueHint::AnyPath)]
     pub log: PathBuf,
     /// The method
-    #[arg(short, long, default_value = "bayes", help = method_help())]
+    #[arg(short, long, default_value = "bayes", help = method_help(), value_parser = Offered(methods),
+        hide_possible_values = true)]
     pub method: String,
     /// Edge of a cell: metres, or with mm, cm, m
     #[arg(short, long, value_name = "LENGTH", default_value = "0.05", value_parser = metres, allow_hyphen_values = true)]
@@ -67,13 +71,26 @@ pub struct LogArguments {
     #[arg(long)]
     pub sensor: Option<KindArgument>,
     /// A TOML file that describes the sensors
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub sensor_file: Option<PathBuf>,
-    /// A TOML file with the class labels' names and colours, for the semantic methods
+    /// Read the log as a table with these columns, such as t,x,y,heading:deg,range:cm; - skips one, range*180 is a scan
+    #[arg(long, value_name = "NAMES", allow_hyphen_values = true)]
+    pub columns: Option<String>,
+    /// Which variables of a MATLAB or Octave file are what, such as pose=P,ranges=R,angles=A,t=T
+    #[arg(long, value_name = "KEY=NAME,…")]
+    pub fields: Option<String>,
+    /// A file with the robot's poses by time (a ROS topic as CSV, TUM, t x y heading), for a log without them or in place of its own
     #[arg(long, value_name = "FILE")]
+    pub poses: Option<PathBuf>,
+    /// What the columns of --poses hold, such as t:ms,x,y,heading:deg
+    #[arg(long, value_name = "NAMES", allow_hyphen_values = true)]
+    pub pose_columns: Option<String>,
+    /// A TOML file with the class labels' names and colours, for the semantic methods
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub classes: Option<PathBuf>,
     /// Set a parameter, as often as needed; lengths in metres or with mm, cm, m, angles in radians or with deg
-    #[arg(short, long = "set", value_name = "KEY=VALUE", long_help = set_help())]
+    #[arg(short, long = "set", value_name = "KEY=VALUE", long_help = set_help(), value_parser = Offered(settings),
+        hide_possible_values = true, value_hint = ValueHint::Other)]
     pub set: Vec<String>,
     /// Map only the first N used readings
     #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
@@ -240,6 +257,10 @@ impl LogArguments {
                 kind,
                 sensor_file: self.sensor_file.clone(),
                 overrides,
+                columns: self.columns.clone(),
+                fields: self.fields.clone(),
+                poses: self.poses.clone(),
+                pose_columns: self.pose_columns.clone(),
                 classes: self.classes.clone(),
                 spool: None,
             },
@@ -257,35 +278,50 @@ impl LogArguments {
     }
 }
 
+/// A line of a list, with what it is about, broken where a terminal ends.
+pub fn item(about: &str, text: &str) {
+    say!("{}", wrapped(&format!("{about:<10}{text}"), 10));
+}
+
 /// A count of something; its plural is made with an s.
 pub fn count(n: u64, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
-/// A progress bar over so many readings, on a terminal only; it goes away at the end.
-pub fn bar(readings: u64, what: &'static str, quiet: bool) -> ProgressBar {
+/// Columns of a terminal that has room for a bar beside its stage's name and the share that is done.
+const ROOM: u16 = 36;
+
+/// A progress bar of a stage of so many steps, on a terminal only; it goes away at the end. It tells a share, not the steps: they
+/// aren't the same in each stage, since a reading is taken by every chunk that it reaches.
+pub fn bar(steps: u64, stage: &'static str, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::new(readings).with_finish(ProgressFinish::AndClear);
-    if let Ok(style) = ProgressStyle::with_template("{msg:10} {wide_bar} {human_pos}/{human_len} readings, {eta} left")
-    {
+    let (_, columns) = console::Term::stderr().size();
+    let template = match columns < ROOM {
+        true => "{msg} {percent} %",
+        false => "{msg:9} {wide_bar} {percent:>3} %, {eta} left",
+    };
+    let bar = ProgressBar::new(steps).with_finish(ProgressFinish::AndClear);
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
-    bar.set_message(what);
+    bar.set_message(stage);
+    interrupt::shows(&bar);
     bar
 }
 
 /// A sign of life where nothing counts how far a run is, on a terminal only; it goes away at the end.
-pub fn spinner(what: &'static str, quiet: bool) -> ProgressBar {
+pub fn spinner(stage: &'static str, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new_spinner().with_finish(ProgressFinish::AndClear);
-    if let Ok(style) = ProgressStyle::with_template("{msg:10} {spinner} {elapsed}") {
+    if let Ok(style) = ProgressStyle::with_template("{msg:9} {spinner} {elapsed}") {
         bar.set_style(style);
     }
-    bar.set_message(what);
+    bar.set_message(stage);
+    interrupt::shows(&bar);
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
@@ -357,6 +393,10 @@ impl LogArguments {
             ("--bounds", self.bounds.is_some()),
             ("--sensor", self.sensor.is_some()),
             ("--sensor-file", self.sensor_file.is_some()),
+            ("--columns", self.columns.is_some()),
+            ("--fields", self.fields.is_some()),
+            ("--poses", self.poses.is_some()),
+            ("--pose-columns", self.pose_columns.is_some()),
             ("--classes", self.classes.is_some()),
             ("--set", !self.set.is_empty()),
             ("--until", self.until.is_some()),
@@ -375,6 +415,10 @@ impl LogArguments {
             bounds: None,
             sensor: None,
             sensor_file: None,
+            columns: None,
+            fields: None,
+            poses: None,
+            pose_columns: None,
             classes: None,
             set: Vec::new(),
             until: None,

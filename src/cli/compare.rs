@@ -4,14 +4,17 @@ use super::{note, say};
 use crate::compare::{Options, compare, write_pictures};
 use crate::output::read_map;
 use crate::{Error, Result};
+use clap::ValueHint;
 use std::path::PathBuf;
 
 /// Arguments of `compare`.
 #[derive(Debug, clap::Args)]
 pub struct Compare {
     /// A map's folder
+    #[arg(value_hint = ValueHint::DirPath)]
     a: PathBuf,
     /// Another's
+    #[arg(value_hint = ValueHint::DirPath)]
     b: PathBuf,
     /// Let values differ by so much
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
@@ -20,7 +23,7 @@ pub struct Compare {
     #[arg(long)]
     common: bool,
     /// If they differ, write the pictures of both and of the difference here
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pictures: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]

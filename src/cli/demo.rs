@@ -2,24 +2,25 @@
 
 use super::common::BackendArgument;
 use super::map::{Ran, save};
-use super::say;
+use super::{interrupt, say};
 use crate::kernels::choose;
 use crate::log;
 use crate::mapper::BATCH;
 use crate::method::{REGISTRY, settings::Settings};
-use crate::output::{Folder, Report};
+use crate::output::{Folder, Report, Unfinished};
 use crate::score::{Numbers, Options, Score, Truth, open_map, score, write_report};
 use crate::sensor::Overrides;
 use crate::session::{Request, Session};
-use crate::world::{World, simulate};
+use crate::world::{Shipped, World, simulate};
 use crate::{Error, Result};
+use clap::ValueHint;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The demo's world, its seed and its cells, metres.
-const WORLD: &str = include_str!("../../worlds/bend.toml");
+const WORLD: &str = "bend";
 const SEED: u64 = 1;
 const RESOLUTION: f64 = 0.05;
 /// A method whose name has this at its end trusts echoes up to 2 m only.
@@ -36,7 +37,7 @@ bayes-2m trusts none from beyond 2 m (--set hit_range=2), and is the safer for i
 #[derive(Debug, clap::Args)]
 pub struct Demo {
     /// Folder for the world, the log, the maps and the scores
-    #[arg(short, long, value_name = "DIR", default_value = "echogrid-demo")]
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath, default_value = "echogrid-demo")]
     output: PathBuf,
     /// What computes
     #[arg(long, default_value = "auto")]
@@ -50,15 +51,10 @@ impl Demo {
         let unwritable = |e: std::io::Error| {
             Error::Resources(format!("{} can't be written: {e}; give another folder with -o", self.output.display()))
         };
-        std::fs::create_dir_all(&self.output).map_err(unwritable)?;
         let [file, log] = ["bend.toml", "bend.jsonl"].map(|name| self.output.join(name));
-        if [&file, &log].iter().any(|f| f.exists()) && std::fs::read_to_string(&file).ok().as_deref() != Some(WORLD) {
-            return Err(Error::Resources(format!(
-                "{} holds a bend.toml or a bend.jsonl that isn't the demo's: give another folder with -o",
-                self.output.display()
-            )));
-        }
-        std::fs::write(&file, WORLD).map_err(unwritable)?;
+        self.check(&file)?;
+        std::fs::create_dir_all(&self.output).map_err(unwritable)?;
+        std::fs::write(&file, world_text()).map_err(unwritable)?;
         let world = World::open(&file)?;
         let out = BufWriter::new(File::create(&log).map_err(unwritable)?);
         let (done, _) = simulate(&world, &world.rig, SEED, None, out, &|_| {})?;
@@ -71,12 +67,9 @@ impl Demo {
         say!("");
         say!("map                       backend      ms  M updates  accuracy  recall  precision  danger");
         let truth = Truth::of_world(world, None)?;
-        let methods = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth");
-        let runs =
-            methods.map(|m| (m.to_string(), m, None)).chain([(format!("bayes{}", NEAR.0), "bayes", Some(NEAR.1))]);
         let mut why = String::new();
         let mut scores: Vec<Score> = Vec::new();
-        for (name, method, hit_range) in runs {
+        for (name, method, hit_range) in runs() {
             let Some(settings) = Settings::of(method) else { continue };
             let overrides = Overrides { hit_range, ..Overrides::default() };
             let (report, ran) = self.map(&log, &name, settings, overrides)?;
@@ -92,8 +85,23 @@ impl Demo {
         say!("Computed on the {why}. In {:.1} s.", started.elapsed().as_secs_f64());
         say!("{}", ABOUT.trim_end());
         say!("");
+        say!("{}", which(&scores));
+        say!("");
         say!("Look at {}, then map a log of your own: echogrid map LOG -o DIR", page.display());
         Ok(0)
+    }
+
+    /// Refuses a folder in which the demo would replace what isn't a demo's: names such as `bayes` may be those of the user's maps.
+    fn check(&self, world: &Path) -> Result<()> {
+        let ours = std::fs::read_to_string(world).is_ok_and(|text| text == world_text());
+        let names = ["bend.toml", "bend.jsonl", "score"].map(String::from).into_iter().chain(runs().map(|run| run.0));
+        if let Some(name) = names.into_iter().find(|name| !ours && self.output.join(name).exists()) {
+            return Err(Error::Resources(format!(
+                "{} holds {name}, which isn't the demo's: give another folder with -o",
+                self.output.display()
+            )));
+        }
+        runs().try_for_each(|run| Folder::check(&self.output.join(run.0)))
     }
 
     /// Maps the log, and tells on what.
@@ -106,7 +114,9 @@ impl Demo {
             until: None,
             strict: true,
         };
-        let folder = Folder::prepare(&self.output.join(name))?;
+        // What a killed demo left there is soon made anew.
+        let folder = Folder::open(&self.output.join(name), Unfinished::Discard)?;
+        interrupt::output(folder.path(), Vec::new(), false);
         let session = Session::open(log, &request)?;
         let started = Instant::now();
         let (mapped, ran) = match self.backend.choice() {
@@ -117,10 +127,39 @@ impl Demo {
             }
         };
         let seconds = vec![("map".into(), started.elapsed().as_secs_f64())];
+        let unbroken = interrupt::unbroken();
         let report = save(&folder, &session, &mapped, &ran, seconds, false)?;
-        folder.finish()?;
+        interrupt::finished(&folder.finish()?, unbroken);
         Ok((report, ran))
     }
+}
+
+/// The demo's world.
+fn world_text() -> &'static str {
+    Shipped::named(Path::new(WORLD)).map_or("", |shipped| shipped.text)
+}
+
+/// The maps: each one's name, its method, and how far it trusts echoes.
+fn runs() -> impl Iterator<Item = (String, &'static str, Option<f64>)> {
+    let methods = REGISTRY.iter().map(|e| e.name).filter(|n| *n != "truth");
+    methods.map(|m| (m.to_string(), m, None)).chain([(format!("bayes{}", NEAR.0), "bayes", Some(NEAR.1))])
+}
+
+/// Which method to take, with the figures above.
+fn which(scores: &[Score]) -> String {
+    let danger = |name: &str| {
+        let score = scores.iter().find(|s| Path::new(&s.path).file_name().is_some_and(|f| f == name));
+        score.and_then(|s| s.numbers.danger).map_or("-".into(), |v| format!("{v:.3}"))
+    };
+    format!(
+        "Which method? Dense sonar scans, as here: features (danger {}); the default, bayes, has {}, with hit_range=2 {}.\n\
+         A sparse ring of sonars: bayes, the default. A laser: bayes, with model=constant, its default there.\n\
+         With figures of real logs: {}/blob/main/docs/methods.md",
+        danger("features"),
+        danger("bayes"),
+        danger(&format!("bayes{}", NEAR.0)),
+        env!("CARGO_PKG_REPOSITORY")
+    )
 }
 
 /// One map's line.

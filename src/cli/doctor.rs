@@ -1,7 +1,9 @@
 //! `echogrid doctor`.
 
+use super::common::item;
 use super::say;
-use crate::kernels::gpu::adapter::{self, REMEDY};
+use crate::kernels::gpu::adapter;
+use crate::kernels::gpu::vulkan::Drivers;
 use crate::kernels::{Backend, cpu::Cpu};
 use crate::memory::{available, show};
 use crate::method::{self, REGISTRY, settings::Settings};
@@ -19,6 +21,7 @@ impl Doctor {
     /// Lists what there is.
     pub fn run(self) -> Result<u8> {
         let adapters = adapter::list();
+        let drivers = Drivers::look();
         let cpu = Cpu::new(0)?.adapter();
         let hardware = adapters.iter().find(|a| !a.software);
         let auto = hardware.map_or("cpu", |a| a.name.as_str());
@@ -30,32 +33,36 @@ impl Doctor {
             let methods: Vec<_> = methods
                 .map(|(method, bytes)| serde_json::json!({"method": method, "bytes_a_cell": bytes, "auto": auto}))
                 .collect();
-            let list = serde_json::json!({"version": env!("CARGO_PKG_VERSION"), "adapters": adapters, "cpu": cpu, "memory_available": available(), "methods": methods});
+            let list = serde_json::json!({"version": env!("CARGO_PKG_VERSION"), "adapters": adapters, "vulkan": drivers, "cpu": cpu, "memory_available": available(), "methods": methods});
             say!("{}", serde_json::to_string_pretty(&list).unwrap_or_default());
             return Ok(0);
         }
         say!("echogrid {}", env!("CARGO_PKG_VERSION"));
-        say!("cpu       {cpu}");
+        item("cpu", &cpu);
         if let Some(free) = available() {
-            say!("memory    {} free", show(free));
+            item("memory", &format!("{} free", show(free)));
         }
         for a in &adapters {
-            say!("adapter   {a}");
-            say!(
-                "          bindings up to {}, buffers up to {}, {} workgroups an axis, {} B of workgroup memory",
-                show(a.binding),
-                show(a.buffer),
-                a.workgroups,
-                a.workgroup_memory
+            item("adapter", &a.to_string());
+            item(
+                "",
+                &format!(
+                    "largest buffer {}, of which a kernel binds {} at once; workgroups: {} along an axis, {} of memory each",
+                    show(a.buffer),
+                    show(a.binding),
+                    a.workgroups,
+                    show(a.workgroup_memory.into())
+                ),
             );
         }
         if adapters.is_empty() {
-            say!("adapter   none: {REMEDY}");
+            item("adapter", &format!("none: {}", drivers.why_none()));
         } else if hardware.is_none() {
-            say!(
-                "          no hardware adapter: --backend auto takes the CPU; --backend gpu takes {}",
-                adapters[0].name
-            );
+            let name = &adapters[0].name;
+            item("", &format!("no hardware adapter: --backend auto takes the CPU; --backend gpu takes {name}"));
+        }
+        if !adapters.is_empty() {
+            drivers.broken().for_each(|manifest| item("broken", &manifest.to_string()));
         }
         say!("");
         say!("method                    bytes a cell  --backend auto");

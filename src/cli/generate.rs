@@ -2,7 +2,7 @@
 
 use super::{Arguments, say};
 use crate::{Error, Result};
-use clap::CommandFactory;
+use clap::{CommandFactory, ValueHint};
 use std::path::PathBuf;
 
 /// Arguments of `completions`.
@@ -26,6 +26,7 @@ impl Completions {
 #[derive(Debug, clap::Args)]
 pub struct Man {
     /// The folder, such as /usr/local/share/man/man1
+    #[arg(value_hint = ValueHint::DirPath)]
     folder: PathBuf,
 }
 

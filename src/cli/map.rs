@@ -3,16 +3,18 @@
 use super::common::{
     BackendArgument, LogArguments, bar, count, done, from_one, spinner, warn_of_empty_map, warn_of_jump, warn_of_log,
 };
+use super::interrupt::{self, Unbroken};
 use super::summary::summary;
 use super::{note, say};
 use crate::feature;
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
 use crate::method::Unit;
-use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo};
+use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo, Unfinished};
 use crate::reading::Counts;
 use crate::session::{Mapped, Session};
 use crate::{Error, Result, layers, memory, method, whole};
+use clap::ValueHint;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -22,7 +24,7 @@ pub struct Map {
     #[command(flatten)]
     log: LogArguments,
     /// Folder of the map; an echogrid map there is replaced when the new one is complete
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     output: PathBuf,
     /// What computes
     #[arg(long, default_value = "auto")]
@@ -33,6 +35,9 @@ pub struct Map {
     /// Go on with the unfinished map that a killed run left beside the folder
     #[arg(long)]
     resume: bool,
+    /// Discard the unfinished map that a killed run left beside the folder, and begin anew
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
     /// Also write a picture and JSON of used reading N alone
     #[arg(long, value_name = "N", value_parser = from_one, allow_negative_numbers = true)]
     working: Option<u64>,
@@ -51,9 +56,18 @@ impl Map {
     /// Maps the log.
     pub fn run(self) -> Result<u8> {
         let request = self.log.request()?;
-        let folder = Folder::open(&self.output, self.resume)?;
+        let unfinished = match (self.resume, self.overwrite) {
+            (true, _) => Unfinished::Resume,
+            (false, true) => Unfinished::Discard,
+            (false, false) => Unfinished::Refuse,
+        };
+        let made = interrupt::missing_above(&self.output);
+        let folder = Folder::open(&self.output, unfinished)?;
+        interrupt::output(folder.path(), made, true);
         let started = Instant::now();
+        let sign = spinner("reading", self.hidden());
         let session = Session::open(&self.log.log, &request)?;
+        drop(sign);
         let surveyed = started.elapsed().as_secs_f64();
         warn_of_log(&self.log, &session);
         self.check_working(&session)?;
@@ -62,7 +76,7 @@ impl Map {
             session.check_memory(session.memory(self.log.batch), self.memory)?;
         }
         let seconds = vec![("survey".to_string(), surveyed)];
-        let (folder, report, counts, ran) = match self.backend.choice() {
+        let (folder, report, counts, ran, unbroken) = match self.backend.choice() {
             Some(choice) if whole => self.whole(folder, &session, choice, seconds)?,
             choice => self.resident(folder, &session, choice, seconds)?,
         };
@@ -70,6 +84,7 @@ impl Map {
             self.write_working(&folder, &session, n as usize)?;
         }
         let place = folder.finish()?;
+        interrupt::finished(&place, unbroken);
         warn_of_empty_map(&counts, &session);
         if report.features.as_ref().is_some_and(|f| f.regions == 0) {
             note!("{NO_REGIONS}");
@@ -93,7 +108,7 @@ impl Map {
         session: &Session,
         choice: crate::kernels::Choice,
         seconds: Vec<(String, f64)>,
-    ) -> Result<(Folder, Report, Counts, Ran)> {
+    ) -> Result<(Folder, Report, Counts, Ran, Unbroken)> {
         let plan = whole::Plan::of(session, self.log.batch, self.memory)?;
         plan.check_space(session, folder.path(), self.npy)?;
         warn_of_jump(&self.log, session);
@@ -106,9 +121,14 @@ impl Map {
         let (heads, combined) = layers::heads(session.method.as_ref());
         let method = method::name(session.method.as_ref()).to_string();
         let outline = Outline { grid: session.grid, method, heads, combined, npy: self.npy };
+        let unbroken = interrupt::unbroken();
         let mut writer = MapWriter::open(folder.path(), outline, &info, self.resume)?;
+        drop(unbroken);
         let before = writer.done().len();
         let stage = |what, readings| -> Box<dyn Fn(u64)> {
+            if what == whole::MAPPING {
+                interrupt::writing();
+            }
             let bar = bar(readings, what, self.hidden());
             Box::new(move |n| bar.inc(n))
         };
@@ -123,8 +143,11 @@ impl Map {
         }
         let info =
             RunInfo { readings: counts, seconds: info.seconds.into_iter().chain(seconds).collect(), busy, ..info };
+        // The cells are done: what is left is worth waiting for.
+        let unbroken = interrupt::unbroken();
+        let _sign = spinner("writing", self.hidden());
         match writer.finish(&info) {
-            Ok(report) => Ok((folder, report, counts, ran)),
+            Ok(report) => Ok((folder, report, counts, ran, unbroken)),
             Err(e) => Err(kept(folder, e)),
         }
     }
@@ -136,26 +159,27 @@ impl Map {
         session: &Session,
         choice: Option<crate::kernels::Choice>,
         mut seconds: Vec<(String, f64)>,
-    ) -> Result<(Folder, Report, Counts, Ran)> {
+    ) -> Result<(Folder, Report, Counts, Ran, Unbroken)> {
         warn_of_jump(&self.log, session);
         let started = Instant::now();
-        let name = method::name(session.method.as_ref());
         let (mapped, ran) = match choice {
             None => {
-                let _sign = spinner(name, self.hidden());
+                let _sign = spinner("mapping", self.hidden());
                 (session.oracle_map()?, Ran { backend: "oracle", ..Ran::default() })
             }
             Some(choice) => {
                 let sweeps = session.method.sweeps().len() as u64;
-                let bar = bar(session.survey.counts.used * sweeps, name, self.hidden());
+                let bar = bar(session.survey.counts.used * sweeps, whole::MAPPING, self.hidden());
                 let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
                 let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|n| bar.inc(n))?;
                 (mapped, Ran::of(&chosen))
             }
         };
         seconds.push(("map".into(), started.elapsed().as_secs_f64()));
+        let unbroken = interrupt::unbroken();
+        let _sign = spinner("writing", self.hidden());
         let report = save(&folder, session, &mapped, &ran, seconds, self.npy)?;
-        Ok((folder, report, mapped.counts, ran))
+        Ok((folder, report, mapped.counts, ran, unbroken))
     }
 
     /// Before the long run: is there such a reading?
@@ -194,7 +218,7 @@ scans (a sonar that turns, with a reading every 2.5° or less), or sonars that p
 fn kept(folder: Folder, error: Error) -> Error {
     let place = folder.path().display().to_string();
     folder.keep();
-    error.and(&format!("the finished part stays in {place}: --resume goes on from there"))
+    error.and(&format!("the finished part stays in {place}: --resume goes on from there, --overwrite begins anew"))
 }
 
 /// What a map was made on.

@@ -1,5 +1,5 @@
 //! The command line, one file a subcommand. Exit codes: 0 done · 1 differs · 2 bad usage · 3 bad input · 4 no adapter ·
-//! 5 out of memory or space, or output not writable · 6 done, but some lines were bad.
+//! 5 out of memory or space, or output not writable · 6 done, but some lines were bad · 130, 143 ended by Ctrl-C or SIGTERM.
 
 mod bench;
 mod check;
@@ -8,7 +8,11 @@ mod compare;
 mod demo;
 mod doctor;
 mod generate;
+mod interrupt;
 mod map;
+mod offered;
+mod out;
+mod parameters;
 mod plan;
 mod score;
 mod simulate;
@@ -17,15 +21,14 @@ mod truth;
 mod verify;
 mod view;
 
+pub use interrupt::removes as remove_if_interrupted;
+
 use crate::Result;
 use clap::{Parser, Subcommand};
 
-/// Prints a line; a reader that went away is no error.
+/// Prints a line on standard output.
 macro_rules! say {
-    ($($text:tt)*) => {{
-        use std::io::Write;
-        let _ = writeln!(std::io::stdout(), $($text)*);
-    }};
+    ($($text:tt)*) => { $crate::cli::out::line(format_args!($($text)*)) };
 }
 use say;
 
@@ -33,13 +36,17 @@ use say;
 macro_rules! note {
     ($($text:tt)*) => {{
         use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "echogrid: {}", format_args!($($text)*));
+        let text = format!($($text)*);
+        $crate::cli::interrupt::aside(|| {
+            let _ = writeln!(std::io::stderr(), "echogrid: {text}");
+        });
     }};
 }
 use note;
 
 const AFTER: &str = "Exit codes: 0 done · 1 differs · 2 bad usage or parameter · 3 bad input · 4 no adapter · \
-5 out of memory or space, or output not writable · 6 done, but some lines of the log were bad (--strict: 3, nothing written)
+5 out of memory or space, or output not writable · 6 done, but some lines of the log were bad (--strict: 3, nothing written) · \
+130 ended by Ctrl-C, 143 by SIGTERM: an unfinished map stays for --resume
 
 Start with `echogrid demo`, then `echogrid map LOG -o DIR`.";
 
@@ -84,9 +91,44 @@ enum Command {
 }
 
 impl Arguments {
-    /// Runs the command; the exit code where it did what it could.
+    /// The program's own arguments; `None`: help or the version was asked for, and printed.
+    ///
+    /// # Errors
+    /// [`Error::Resources`](crate::Error::Resources) if that can't be printed. Wrong arguments end the program with exit code 2.
+    pub fn of_program() -> Result<Option<Arguments>> {
+        match Arguments::try_parse() {
+            Ok(arguments) => Ok(Some(arguments)),
+            Err(wrong) if wrong.use_stderr() => wrong.exit(),
+            Err(asked) => {
+                out::keep(asked.print());
+                out::finish().map(|()| None)
+            }
+        }
+    }
+
+    /// Whether the command looks for GPU adapters.
+    pub fn seeks_adapters(&self) -> bool {
+        use Command::{Bench, Demo, Doctor, Map, Plan, Verify};
+        matches!(self.command, Map(_) | Verify(_) | Plan(_) | Doctor(_) | Demo(_) | Bench(_))
+    }
+
+    /// Runs the command; the exit code where it did what it could. From its start on SIGINT and SIGTERM end the process.
+    ///
+    /// # Errors
+    /// The command's; [`Error::Resources`](crate::Error::Resources) if what it printed can't be written.
     pub fn run(self) -> Result<u8> {
-        match self.command {
+        // To `view` Ctrl-C is the way to end it.
+        if !matches!(self.command, Command::View(_)) {
+            interrupt::listen();
+        }
+        let code = self.command.run()?;
+        out::finish().map(|()| code)
+    }
+}
+
+impl Command {
+    fn run(self) -> Result<u8> {
+        match self {
             Command::Map(c) => c.run(),
             Command::Verify(c) => c.run(),
             Command::Compare(c) => c.run(),

@@ -1,19 +1,21 @@
 //! `echogrid plan`.
 
-use super::common::{LogArguments, bar, count, done, warn_of_jump, warn_of_log};
-use super::say;
-use crate::kernels::{Choice, choose};
+use super::common::{BackendArgument, LogArguments, bar, count, done, item, spinner, warn_of_jump, warn_of_log};
+use super::{interrupt, parameters, say};
+use crate::kernels::{Chosen, choose};
 use crate::memory::{self, show};
-use crate::method::{self, Step, Steps};
+use crate::method::{self, Step, Steps, Unit};
+use crate::oracle;
 use crate::output::{LogInfo, MapWriter, Outline, RunInfo, head, tidy};
 use crate::session::Session;
 use crate::whole::{self, Chunk, Place, Run};
+use crate::wrapped::wrapped;
 use crate::{Error, Result};
 use serde::Serialize;
 use serde_json::json;
 use std::time::Instant;
 
-/// How long a backend is tried, seconds.
+/// How long the backend is tried, seconds.
 const TRY: f64 = 1.0;
 
 /// Arguments of `plan`.
@@ -21,6 +23,9 @@ const TRY: f64 = 1.0;
 pub struct Plan {
     #[command(flatten)]
     log: LogArguments,
+    /// What would compute: it is tried, and told how long it would take
+    #[arg(long, default_value = "auto")]
+    backend: BackendArgument,
     /// Memory that the run may use, such as 4GiB [default: what the machine has free]
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
@@ -29,11 +34,13 @@ pub struct Plan {
     json: bool,
 }
 
-/// What a backend would take.
+/// What the backend would take.
 #[derive(Debug, Serialize)]
 struct Expected {
     backend: &'static str,
     adapter: String,
+    /// Why it was taken; empty where the user chose.
+    why: String,
     /// Readings a second on the busiest chunk, binning included.
     readings_per_second: f64,
     /// Seconds to write a chunk like it.
@@ -43,14 +50,20 @@ struct Expected {
 }
 
 impl Plan {
-    /// Reads and bins the log, tries each backend for a second, and says what a run would come to.
+    /// Reads and bins the log, tries the backend for a second, and says what a run would come to.
     pub fn run(self) -> Result<u8> {
         let started = Instant::now();
+        let sign = spinner("reading", self.json);
         let session = self.log.session()?;
+        drop(sign);
         let surveyed = started.elapsed().as_secs_f64();
         warn_of_log(&self.log, &session);
         warn_of_jump(&self.log, &session);
-        let Some(rounds) = session.method.rounds() else { return self.resident(&session) };
+        let Some(choice) = self.backend.choice() else {
+            return self.resident(&session, self.oracle(&session, surveyed)?);
+        };
+        let chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
+        let Some(rounds) = session.method.rounds() else { return self.resident(&session, None) };
         let started = Instant::now();
         let folder = std::env::temp_dir();
         let plan = whole::Plan::of(&session, self.log.batch, self.memory);
@@ -59,29 +72,29 @@ impl Plan {
         });
         let why_not = fit.err();
         let (batch, bins) = plan.as_ref().map_or((1 << 14, 1 << 28), |p| (p.batch, p.bins));
-        let bar = bar(session.survey.counts.used, "plan", self.json);
+        let bar = bar(session.survey.counts.used, "sorting", self.json);
         let run = Run::begin(&session, batch, &folder, bins, &|n| bar.inc(n))?;
         drop(bar);
         let before = surveyed + started.elapsed().as_secs_f64();
         let places = run.places();
         let binned: u64 = places.iter().map(|p| p.1).sum();
         let passes = binned * rounds.iter().map(|r| r.len() as u64).sum::<u64>();
-        let mut expected = Vec::new();
-        for choice in [Choice::Gpu, Choice::Cpu] {
-            let Ok(mut chosen) = choose(choice, session.method.as_ref(), self.log.threads) else { continue };
-            // The first batch makes the kernels.
-            run.calibrate(chosen.backend.as_mut(), 0.0)?;
-            let (readings, seconds, chunk) = run.calibrate(chosen.backend.as_mut(), TRY)?;
-            let chunk_seconds = chunk.map_or(Ok(0.0), |chunk| write(&session, &chunk))?;
-            let rate = readings as f64 / seconds.max(1e-9);
-            expected.push(Expected {
-                backend: chosen.backend.name(),
-                adapter: chosen.backend.adapter(),
-                readings_per_second: rate,
-                chunk_seconds,
-                seconds: before + passes as f64 / rate.max(1.0) + places.len() as f64 * chunk_seconds,
-            });
-        }
+        let Chosen { mut backend, why } = chosen;
+        let sign = spinner("trying", self.json);
+        // The first batch makes the kernels.
+        run.calibrate(backend.as_mut(), 0.0)?;
+        let (readings, seconds, chunk) = run.calibrate(backend.as_mut(), TRY)?;
+        let chunk_seconds = chunk.map_or(Ok(0.0), |chunk| write(&session, &chunk))?;
+        drop(sign);
+        let rate = readings as f64 / seconds.max(1e-9);
+        let expected = Some(Expected {
+            backend: backend.name(),
+            adapter: backend.adapter(),
+            why,
+            readings_per_second: rate,
+            chunk_seconds,
+            seconds: before + passes as f64 / rate.max(1.0) + places.len() as f64 * chunk_seconds,
+        });
         let rounds = rounds.iter().map(|r| round(r)).collect();
         let (memory, card, disk) = plan.as_ref().map_or((0, 0, 0), |p| (p.needed, p.card, p.disk));
         self.show(
@@ -90,13 +103,45 @@ impl Plan {
         )
     }
 
-    /// A method whose chunks must be resident together.
-    fn resident(&self, session: &Session) -> Result<u8> {
+    /// What the f64 reference would take, from some of the readings; nothing is told of methods whose cost depends on the others.
+    fn oracle(&self, session: &Session, before: f64) -> Result<Option<Expected>> {
+        let fits = session.check_memory(session.memory(self.log.batch), self.memory).is_ok();
+        if session.method.unit() != Unit::Reading || !fits {
+            return Ok(None);
+        }
+        let _sign = spinner("trying", self.json);
+        let time = |count: usize| -> Result<f64> {
+            let items = session.items()?.take(count).collect::<Result<Vec<_>>>()?;
+            let readings: Vec<_> = items.iter().map(|i| i.0).collect();
+            let wedges: Option<Vec<_>> = items.iter().map(|i| i.1).collect();
+            let started = Instant::now();
+            oracle::map(&session.grid, session.sensors(), &readings, &session.method.settings(), wedges.as_deref())?;
+            Ok(started.elapsed().as_secs_f64())
+        };
+        let (used, cells) = (session.survey.counts.used, time(0)?);
+        let (mut count, mut seconds) = (1, 0.0);
+        while count < used as usize && seconds < TRY {
+            count = (4 * count).min(used as usize);
+            seconds = time(count)? - cells;
+        }
+        let rate = count as f64 / seconds.max(1e-9);
+        Ok(Some(Expected {
+            backend: "oracle",
+            adapter: "f64, one reading at a time".into(),
+            why: String::new(),
+            readings_per_second: rate,
+            chunk_seconds: 0.0,
+            seconds: before + cells + used as f64 / rate,
+        }))
+    }
+
+    /// A method whose cells must be in memory together, or the reference.
+    fn resident(&self, session: &Session, expected: Option<Expected>) -> Result<u8> {
         let need = session.memory(self.log.batch);
         let why_not = session.check_memory(need, self.memory).map_err(|e| e.to_string()).err();
         let rounds = session.method.sweeps().iter().map(|s| names(s)).collect();
         let batch = self.log.batch;
-        self.show(session, &Shown { rounds, batch, memory: need, why_not, ..Shown::default() })
+        self.show(session, &Shown { rounds, batch, expected, memory: need, why_not, ..Shown::default() })
     }
 
     fn show(&self, session: &Session, shown: &Shown) -> Result<u8> {
@@ -131,69 +176,85 @@ impl Plan {
             "fits": shown.why_not.is_none(),
             "why_not": shown.why_not,
             "available": memory::available(),
-            "expected": shown.expected,
+            "expected": shown.expected.iter().collect::<Vec<_>>(),
         });
         say!("{}", serde_json::to_string_pretty(&plan).unwrap_or_default());
     }
 
     fn print(&self, session: &Session, shown: &Shown) {
         let (grid, counts) = (&session.grid, &session.survey.counts);
-        say!("log       {}, {}", session.log.header().format, count(session.sensors().len() as u64, "sensor"));
-        say!(
-            "readings  {} used of {} in {}, {}, {}",
-            counts.used,
-            counts.read,
-            count(session.survey.scans, "scan"),
-            count(session.survey.bad_lines.count, "bad line"),
-            count(session.survey.ignored, "other line")
+        let sensors = count(session.sensors().len() as u64, "sensor");
+        item("log", &format!("{}, {sensors}", session.log.header().format));
+        item(
+            "readings",
+            &format!(
+                "{} used of {} in {}, {}, {}",
+                counts.used,
+                counts.read,
+                count(session.survey.scans, "scan"),
+                count(session.survey.bad_lines.count, "bad line"),
+                count(session.survey.ignored, "other line")
+            ),
         );
-        say!(
-            "grid      {} × {} cells of {} m from ({:.2}, {:.2}) to ({:.2}, {:.2}) m",
-            grid.width,
-            grid.height,
-            grid.resolution,
-            grid.x0(),
-            grid.y0(),
-            grid.x0() + grid.width as f64 * grid.resolution,
-            grid.y0() + grid.height as f64 * grid.resolution
+        let end = |start: f64, cells: usize| start + cells as f64 * grid.resolution;
+        item(
+            "grid",
+            &format!(
+                "{} × {} cells of {} m from ({:.2}, {:.2}) to ({:.2}, {:.2}) m",
+                grid.width,
+                grid.height,
+                grid.resolution,
+                grid.x0(),
+                grid.y0(),
+                end(grid.x0(), grid.width),
+                end(grid.y0(), grid.height)
+            ),
         );
         if let Some(([row, column], most)) = shown.places.iter().max_by_key(|p| p.1) {
-            say!(
-                "chunks    {} of {} reached, {} readings in them, {} at a time; {} spilled",
-                shown.places.len(),
-                whole::places(grid).count(),
-                shown.binned,
-                shown.batch,
-                show(shown.spilled)
+            item(
+                "chunks",
+                &format!(
+                    "{} of {} squares of {} × {} cells have readings; the fullest, column {column} row {row}, has {most}",
+                    shown.places.len(),
+                    whole::places(grid).count(),
+                    whole::EDGE,
+                    whole::EDGE,
+                ),
             );
-            say!("          the busiest, column {column} row {row}, has {most}");
+            let disk =
+                if shown.spilled > 0 { format!("; {} of them on disk", show(shown.spilled)) } else { String::new() };
+            item(
+                "",
+                &format!(
+                    "{} if a reading counts in each square that it reaches, {} at a time{disk}",
+                    count(shown.binned, "reading"),
+                    shown.batch
+                ),
+            );
         }
         for (k, steps) in shown.rounds.iter().enumerate() {
-            say!("round {}   {steps}", k + 1);
+            item(&format!("round {}", k + 1), steps);
         }
         let free = memory::available().map(|f| format!(", of {} free", show(f))).unwrap_or_default();
-        say!("memory    about {}{free}", show(shown.memory));
+        item("memory", &format!("about {}{free}", show(shown.memory)));
         if shown.card > 0 {
-            say!("card      about {} where a GPU maps", show(shown.card));
+            item("card", &format!("about {} of a GPU's memory, where one maps", show(shown.card)));
         }
         if shown.disk > 0 {
-            say!("disk      {} and the compressed layers", show(shown.disk));
+            item("disk", &format!("{} and the compressed layers", show(shown.disk)));
         }
-        for e in &shown.expected {
-            say!(
-                "{:<9} about {:.1} s: {:.0} k readings/s, {:.3} s to write a chunk ({})",
-                e.backend,
-                e.seconds,
-                e.readings_per_second / 1e3,
-                e.chunk_seconds,
-                e.adapter
-            );
+        if let Some(e) = &shown.expected {
+            let (rate, chunk) = (e.readings_per_second / 1e3, e.chunk_seconds);
+            let chunk = if chunk > 0.0 { format!(", {chunk:.3} s to write a chunk") } else { String::new() };
+            let why = if e.why.is_empty() { String::new() } else { format!(", because {}", e.why) };
+            let about = format!("about {:.1} s: {rate:.1} k readings/s{chunk} ({}{why})", e.seconds, e.adapter);
+            item(e.backend, &about);
         }
         if let Some(e) = &shown.why_not {
-            say!("does not fit: {e}");
+            say!("{}", wrapped(&format!("does not fit: {e}"), 10));
         }
         for (key, value) in session.parameters() {
-            say!("  {key} = {value}");
+            say!("{}", wrapped(&format!("  {key} = {}", parameters::shown(&key, &value)), 10));
         }
     }
 }
@@ -205,7 +266,7 @@ struct Shown {
     places: Vec<(Place, u64)>,
     binned: u64,
     card: u64,
-    expected: Vec<Expected>,
+    expected: Option<Expected>,
     batch: usize,
     /// Bytes that the run needs at once.
     memory: u64,
@@ -227,6 +288,8 @@ fn write(session: &Session, chunk: &Chunk) -> Result<f64> {
     let outline = Outline { grid: map.grid, method, heads, combined, npy: false };
     let info = RunInfo { log: LogInfo::default(), ..RunInfo::default() };
     let mut writer = MapWriter::open(folder.path(), outline, &info, false)?;
+    // A signal waits, so that the folder doesn't stay.
+    let _unbroken = interrupt::unbroken();
     let started = Instant::now();
     writer.chunk([0, 0], map, &chunk.finished.combined)?;
     Ok(started.elapsed().as_secs_f64())

@@ -1,10 +1,11 @@
 //! `echogrid score`.
 
 use super::{note, say};
-use crate::score::{Check, Options, Requirement, Score, Truth, open_map, score, table, write_report};
+use crate::score::{Check, Options, Requirement, Score, Truth, open_map_noting, score, table, write_report};
 use crate::{Error, Result};
+use clap::ValueHint;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The widest tolerance, cells.
 const WIDEST: u64 = 50;
@@ -13,10 +14,10 @@ const WIDEST: u64 = 50;
 #[derive(Debug, clap::Args)]
 pub struct Command {
     /// Maps: folders that `echogrid map` wrote, or ROS maps by their .yaml file
-    #[arg(required = true, value_name = "MAP")]
+    #[arg(required = true, value_name = "MAP", value_hint = ValueHint::AnyPath)]
     maps: Vec<PathBuf>,
-    /// What is true: a world's .toml, or a map, such as the laser map of the same run (--method truth)
-    #[arg(short, long, value_name = "WORLD|MAP")]
+    /// What is true: a world (a built-in one, such as room, or its .toml), or a map, such as the laser map of the same run (--method truth)
+    #[arg(short, long, value_name = "WORLD|MAP", value_hint = ValueHint::AnyPath)]
     truth: PathBuf,
     /// Demand something of every map, such as "danger<=0.02", as often as needed; exit code 1 if it does not hold
     #[arg(long, value_name = "EXPR")]
@@ -28,7 +29,7 @@ pub struct Command {
     #[arg(long, value_name = "HIGH,LOW", value_delimiter = ',', num_args = 1)]
     decide: Option<Vec<f64>>,
     /// Write error plots, histograms of error levels and an HTML report into this folder
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     output: Option<PathBuf>,
     /// How far is seen in a world, metres [default: the farthest range of its sonars, or lasers]
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
@@ -42,11 +43,13 @@ impl Command {
     /// Scores the maps; 1 if a requirement does not hold.
     pub fn run(self) -> Result<u8> {
         let options = Options { tolerance: self.tolerance as usize, decide: self.decide()? };
-        let truth = Truth::open(&self.truth, self.r_max)?;
+        self.output.as_deref().map_or(Ok(()), check)?;
+        let truth = Truth::open_noting(&self.truth, self.r_max, &mut |what| note!("{what}"))?;
         let mut scores: Vec<Score> = Vec::new();
         for path in &self.maps {
             let name = path.display().to_string();
-            scores.push(score(&name, &open_map(path)?, &truth, &options).map_err(|e| about(&name, e))?);
+            let map = open_map_noting(path, &mut |what| note!("{what}"))?;
+            scores.push(score(&name, &map, &truth, &options).map_err(|e| about(&name, e))?);
         }
         let mut checks: Vec<Check> = Vec::new();
         for requirement in &self.require {
@@ -83,6 +86,23 @@ impl Command {
             Some(&[high, low]) if 0.0 <= low && low <= high && high <= 1.0 => Ok(Some((high, low))),
             Some(_) => Err(Error::Usage("--decide takes HIGH,LOW, such as 0.6,0.4: 0 <= LOW <= HIGH <= 1".into())),
         }
+    }
+}
+
+/// Refuses a folder that holds files of a report's names without being an earlier report: they would be written over.
+fn check(folder: &Path) -> Result<()> {
+    let page = std::fs::read_to_string(folder.join("score.html"));
+    if page.is_ok_and(|page| page.contains("<title>echogrid score</title>")) {
+        return Ok(());
+    }
+    let ours = |name: &str| name == "score.html" || name.ends_with(".errors.png") || name.ends_with(".levels.svg");
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    match names.filter_map(|entry| entry.file_name().into_string().ok()).find(|name| ours(name)) {
+        None => Ok(()),
+        Some(name) => Err(Error::Resources(format!(
+            "{} holds {name}, which isn't an earlier score's: give another folder with -o",
+            folder.display()
+        ))),
     }
 }
 

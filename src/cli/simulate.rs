@@ -1,12 +1,13 @@
 //! `echogrid simulate`: a log of a world.
 
-use super::common::{threads, use_threads};
-use super::say;
-use crate::world::{Rig, World, simulate};
+use super::common::{bar, threads, use_threads};
+use super::offered::Offered;
+use super::{interrupt, note, say};
+use crate::world::{Rig, SHIPPED, Shipped, World, simulate};
 use crate::{Error, Result};
-use indicatif::ProgressBar;
+use clap::ValueHint;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tempfile::NamedTempFile;
@@ -14,16 +15,20 @@ use tempfile::NamedTempFile;
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
-    /// The world: a TOML file, such as worlds/room.toml
-    world: PathBuf,
+    /// The world: a built-in one, such as room, or a TOML file
+    #[arg(required_unless_present = "list", value_hint = ValueHint::FilePath)]
+    world: Option<PathBuf>,
     /// The log to write (echogrid's JSON Lines), or - for standard output
-    #[arg(short, long, value_name = "LOG")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "LOG", required_unless_present = "list", value_hint = ValueHint::FilePath)]
+    output: Option<PathBuf>,
+    /// List the built-in worlds
+    #[arg(long, exclusive = true)]
+    list: bool,
     /// The same seed gives the same log, on any number of threads
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// What the robot carries: dense, ring8, ringN (1 to 360 sonars) or laser [default: the world's]
-    #[arg(long)]
+    #[arg(long, value_parser = Offered(rigs), hide_possible_values = true)]
     rig: Option<String>,
     /// Scans [default: one at each stop of the path; more go round again]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -45,7 +50,13 @@ pub struct Simulate {
 impl Simulate {
     /// Simulates, and says how it went.
     pub fn run(self) -> Result<u8> {
-        let world = World::open(&self.world)?;
+        // without --list both are required
+        let (Some(name), Some(output)) = (&self.world, &self.output) else {
+            SHIPPED.iter().for_each(|s| say!("{:<10}{}", s.name, s.about()));
+            return Ok(0);
+        };
+        Shipped::beside_file(name).iter().for_each(|what| note!("{what}"));
+        let world = World::find(name)?;
         let mut rig = match &self.rig {
             Some(name) => Rig::named(name)?,
             None => world.rig.clone(),
@@ -53,18 +64,14 @@ impl Simulate {
         rig.physics.bounces = self.bounces.unwrap_or(rig.physics.bounces);
         rig.physics.specular &= !self.no_specular;
         use_threads(self.threads)?;
-        let to_stdout = self.output == Path::new("-");
-        let out = Target::open(&self.output)?;
-        let bar = if self.quiet {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new(self.scans.unwrap_or(world.stops.len() as u64))
-        };
+        let to_stdout = output == Path::new("-");
+        let out = Target::open(output)?;
+        let bar = bar(self.scans.unwrap_or(world.stops.len() as u64), "simulating", self.quiet);
         let started = Instant::now();
         let out = BufWriter::with_capacity(1 << 20, out);
         let (done, out) = simulate(&world, &rig, self.seed, self.scans, out, &|n| bar.set_position(n))?;
-        bar.finish_and_clear();
-        out.into_inner().map_err(|e| unwritable(&self.output, e))?.finish(&self.output)?;
+        drop(bar);
+        out.into_inner().map_err(|e| unwritable(output, e))?.finish(output)?;
         let seconds = started.elapsed().as_secs_f64();
         if !self.quiet && !to_stdout {
             say!(
@@ -76,10 +83,15 @@ impl Simulate {
                 100.0 * done.no_echo as f64 / done.readings as f64,
                 done.readings as f64 / seconds
             );
-            say!("Next: echogrid map {} -o DIR", self.output.display());
+            say!("Next: echogrid map {} -o DIR", output.display());
         }
         Ok(0)
     }
+}
+
+/// The rigs that a shell offers.
+fn rigs() -> Vec<String> {
+    ["dense", "ring8", "ring24", "laser"].map(String::from).into()
 }
 
 /// Where a log goes. One on disk grows beside its place and is moved there when it is whole.
@@ -100,10 +112,19 @@ impl Target {
         if path.is_dir() {
             return Err(Error::Resources(format!("{} is a folder: give a file with -o", path.display())));
         }
+        if !replaceable(path).map_err(|e| unwritable(path, e))? {
+            let what = "it is no log of echogrid's, so it is left as it is";
+            return Err(Error::Resources(format!(
+                "{} can't be the log: {what}; give another file with -o",
+                path.display()
+            )));
+        }
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = path.file_name().unwrap_or_default();
         let file = tempfile::Builder::new().prefix(name).suffix(".partial").make_in(folder, |p| File::create_new(p));
-        Ok(Target::File(file.map_err(|e| unwritable(path, e))?))
+        let file = file.map_err(|e| unwritable(path, e))?;
+        interrupt::removes(file.path());
+        Ok(Target::File(file))
     }
 
     fn finish(self, path: &Path) -> Result<()> {
@@ -132,6 +153,17 @@ impl Write for Target {
             Target::File(out) => out.flush(),
         }
     }
+}
+
+/// Whether a log may take a file's place: there is none, or it is empty, or it begins as echogrid's own logs do.
+fn replaceable(path: &Path) -> io::Result<bool> {
+    const BEGIN: &[u8] = b"{\"echogrid_log\"";
+    let mut begin = Vec::new();
+    match File::open(path) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(true),
+        file => file?.take(BEGIN.len() as u64).read_to_end(&mut begin)?,
+    };
+    Ok(begin.is_empty() || begin == BEGIN)
 }
 
 fn unwritable(path: &Path, cause: impl std::fmt::Display) -> Error {

@@ -1,13 +1,14 @@
 //! `echogrid truth`: a world's true map, as a map's folder like any other.
 
 use super::common::{bounds, metres, number};
-use super::say;
+use super::{interrupt, note, say};
 use crate::grid::GridSpec;
 use crate::layers::of_classes;
 use crate::output::{self, Folder, LogInfo, RunInfo};
 use crate::score::{reach, wider};
-use crate::world::{World, true_map};
+use crate::world::{Shipped, World, true_map};
 use crate::{Result, memory};
+use clap::ValueHint;
 use std::path::PathBuf;
 
 /// Bytes a cell: two layers, their pictures, the surfaces' cells.
@@ -16,10 +17,11 @@ const CELL: u64 = 16;
 /// Arguments of `truth`.
 #[derive(Debug, clap::Args)]
 pub struct Command {
-    /// The world: a TOML file, such as worlds/room.toml
+    /// The world: a built-in one (`echogrid simulate --list`), such as room, or a TOML file
+    #[arg(value_hint = ValueHint::FilePath)]
     world: PathBuf,
     /// Folder of the map; an echogrid map there is replaced when the new one is complete
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     output: PathBuf,
     /// Edge of a cell: metres, or with mm, cm, m
     #[arg(short, long, value_name = "LENGTH", default_value = "0.05", value_parser = metres, allow_hyphen_values = true)]
@@ -39,14 +41,17 @@ impl Command {
     /// Draws the true map.
     pub fn run(self) -> Result<u8> {
         let bounds = bounds(self.bounds.as_deref(), self.resolution)?;
-        let world = World::open(&self.world)?;
+        Shipped::beside_file(&self.world).iter().for_each(|what| note!("{what}"));
+        let world = World::find(&self.world)?;
         let r_max = reach(&world, self.r_max)?;
         let grid = match bounds {
             Some(bounds) => GridSpec::from_bounds(bounds, self.resolution)?,
             None => GridSpec::around(wider(world.bounds(), r_max), self.resolution)?,
         };
         memory::check(grid.cells() as u64 * CELL, None, &grid, "give smaller --bounds or a coarser --resolution")?;
+        let made = interrupt::missing_above(&self.output);
         let folder = Folder::prepare(&self.output)?;
+        interrupt::output(folder.path(), made, false);
         let class = true_map(&world, &world.scans(), &grid, r_max);
         let info = RunInfo {
             parameters: output::parameters([("resolution", grid.resolution.to_string()), ("r_max", r_max.to_string())]),
@@ -56,8 +61,10 @@ impl Command {
         };
         let map = of_classes(grid, "world", class);
         let Some(combined) = map.layer("class").cloned() else { return Ok(0) };
+        let unbroken = interrupt::unbroken();
         let report = output::write_map(&folder, &map, &combined, &info, false)?;
         let place = folder.finish()?;
+        interrupt::finished(&place, unbroken);
         if !self.quiet {
             let c = &report.cells;
             say!(

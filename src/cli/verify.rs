@@ -10,6 +10,7 @@ use crate::oracle::OracleMap;
 use crate::session::Session;
 use crate::verify::{Verification, check, same_bytes};
 use crate::{Error, Result, memory, method};
+use clap::ValueHint;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -33,7 +34,7 @@ pub struct Verify {
     #[arg(long, value_delimiter = ',', default_value = "oracle,cpu,gpu")]
     backends: Vec<Checked>,
     /// If a backend is not equal, write its pictures, the oracle's and their difference here
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pictures: Option<PathBuf>,
     /// Memory that may be used, such as 4GiB [default: what the machine has free]
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
@@ -46,20 +47,40 @@ pub struct Verify {
     quiet: bool,
 }
 
+/// What can be compared with the oracle.
+#[derive(Default)]
+struct Opened {
+    backends: Vec<Chosen>,
+    /// What was asked for and can't run, and why.
+    skipped: Vec<String>,
+    /// What the method doesn't have, and why.
+    absent: Vec<String>,
+}
+
+/// Why backends are missing, and what compares the others.
+fn without(missing: &[String]) -> String {
+    format!("{}; `--backends oracle,cpu` compares without it", missing.join("; "))
+}
+
 impl Verify {
     /// Compares the backends; 1 if one is not equal.
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`] where one that was asked for couldn't run: that is no equality.
     pub fn run(self) -> Result<u8> {
+        let sign = spinner("reading", self.quiet || self.json);
         let session = self.log.session()?;
+        drop(sign);
         warn_of_log(&self.log, &session);
         // The oracle keeps values and bounds in f64, and two maps are held beside it.
         let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
         let readings = session.survey.counts.used * 200;
         session.check_memory(2 * session.memory(self.log.batch) + oracle_cells + readings, self.memory)?;
         warn_of_jump(&self.log, &session);
-        let (backends, skipped) = self.open(&session)?;
+        let Opened { backends, skipped, absent } = self.open(&session)?;
         let started = Instant::now();
         let hidden = self.quiet || self.json;
-        let sign = spinner("oracle", hidden);
+        let sign = spinner("reference", hidden);
         let oracle = session.oracle()?;
         drop(sign);
         let mut result = Verification {
@@ -71,6 +92,7 @@ impl Verify {
             backends: Vec::new(),
             same_bytes: None,
             skipped,
+            absent,
             passed: true,
         };
         let mut maps: Vec<Finished> = Vec::new();
@@ -88,13 +110,13 @@ impl Verify {
                     .map(|(a, b)| a.abs_diff(*b))
                     .sum();
             let backend = (chosen.backend.name(), chosen.backend.adapter());
-            let sign = spinner("compare", hidden);
+            let sign = spinner("comparing", hidden);
             result.backends.push(check(&session, &oracle, &mapped.finished, backend, wrong, seconds)?);
             drop(sign);
             self.draw(&session, &oracle, &result, &mapped.finished)?;
             maps.push(mapped.finished);
         }
-        result.passed = result.backends.iter().all(|b| b.passed);
+        result.passed = !result.differs() && result.skipped.is_empty();
         if let [a, b] = &maps[..] {
             result.same_bytes = Some(same_bytes(a, b));
         }
@@ -104,42 +126,46 @@ impl Verify {
             say!("{result}");
         }
         if hidden {
-            for why in &result.skipped {
-                note!("SKIPPED {why}");
-            }
+            result.absent.iter().for_each(|why| note!("{why}"));
         }
         if self.quiet {
             for b in result.backends.iter().filter(|b| !b.passed) {
                 note!("{} and the oracle are NOT EQUAL", b.backend);
             }
         }
-        Ok(if result.passed { done(&session) } else { 1 })
+        match result.skipped.as_slice() {
+            _ if result.differs() => Ok(1),
+            [] => Ok(done(&session)),
+            skipped => Err(Error::NoAdapter(format!("not verified: {}", without(skipped)))),
+        }
     }
 
-    /// The backends to compare, and why others are skipped: an adapter that is missing is told before the long run.
-    fn open(&self, session: &Session) -> Result<(Vec<Chosen>, Vec<String>)> {
-        let (mut backends, mut skipped) = (Vec::new(), Vec::new());
+    /// The backends to compare: an adapter that is missing is found before the long run.
+    fn open(&self, session: &Session) -> Result<Opened> {
+        let mut opened = Opened::default();
         for (kind, choice) in [(Checked::Cpu, Choice::Cpu), (Checked::Gpu, Choice::Gpu)] {
             if !self.backends.contains(&kind) {
                 continue;
             }
-            match choose(choice, session.method.as_ref(), self.log.threads) {
-                Ok(chosen) => backends.push(chosen),
+            match (choose(choice, session.method.as_ref(), self.log.threads), session.method.cpu_only()) {
+                (Ok(chosen), _) => opened.backends.push(chosen),
                 // What no adapter could do is no missing adapter.
-                Err(Error::NoAdapter(why)) if !gpu_required() || session.method.cpu_only().is_some() => {
-                    skipped.push(format!("gpu: {why}"));
+                (Err(Error::NoAdapter(_)), Some(why)) => {
+                    opened
+                        .absent
+                        .push(format!("gpu: there is none for this method: {why}; oracle and cpu are all there is"));
                 }
-                Err(e) => return Err(e),
+                (Err(Error::NoAdapter(why)), None) if !gpu_required() => opened.skipped.push(format!("gpu: {why}")),
+                (Err(e), _) => return Err(e),
             }
         }
-        if !backends.is_empty() {
-            return Ok((backends, skipped));
+        if !opened.backends.is_empty() {
+            return Ok(opened);
         }
-        Err(match skipped.join("; ") {
-            why if why.is_empty() => {
-                Error::Usage("the oracle alone proves nothing: give --backends cpu, gpu or both".into())
-            }
-            why => Error::NoAdapter(format!("there is nothing to verify: {why}; or give --backends cpu")),
+        let missing = [opened.skipped, opened.absent].concat();
+        Err(match missing.is_empty() {
+            true => Error::Usage("the oracle alone proves nothing: give --backends cpu, gpu or both".into()),
+            false => Error::NoAdapter(format!("there is nothing to verify: {}", without(&missing))),
         })
     }
 

@@ -1,13 +1,14 @@
 //! `echogrid view`.
 
 use super::common::{LogArguments, note_bad_lines, tell_idle, tell_notes};
-use super::{note, say};
+use super::offered::{Offered, methods};
+use super::{note, out, say};
 use crate::output::seems_map;
 use crate::view::log::{self, LogView, Wanted};
 use crate::view::map::{Beside, MapView};
 use crate::view::{Options, Server, View, serve};
 use crate::{Error, Result, memory};
-use std::io::Write;
+use clap::ValueHint;
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -23,13 +24,13 @@ pub struct Command {
     #[command(flatten)]
     log: LogArguments,
     /// Of a log: a second method beside the first, and their difference
-    #[arg(long, value_name = "METHOD")]
+    #[arg(long, value_name = "METHOD", value_parser = Offered(methods), hide_possible_values = true)]
     beside: Option<String>,
     /// Of a map: another map beside it, of cells of the same size, and their difference
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     with: Option<PathBuf>,
-    /// Of a map: what is true, a world's .toml or a map, to see the map's errors and its score
-    #[arg(long, value_name = "WORLD|MAP")]
+    /// Of a map: what is true, a world (built in, or its .toml) or a map, to see the map's errors and its score
+    #[arg(long, value_name = "WORLD|MAP", value_hint = ValueHint::AnyPath)]
     truth: Option<PathBuf>,
     /// Address to listen on; any but this one lets other machines in, unencrypted
     #[arg(long, value_name = "ADDR", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
@@ -72,7 +73,9 @@ impl Command {
             }
             super::common::use_threads(self.log.threads)?;
             let beside = Beside { with: self.with.as_deref(), truth: self.truth.as_deref(), memory: self.memory };
-            return Ok(Arc::new(MapView::open(path, &beside)?));
+            let view = MapView::open(path, &beside)?;
+            view.notes().iter().for_each(|what| note!("{what}"));
+            return Ok(Arc::new(view));
         }
         if self.with.is_some() || self.truth.is_some() {
             let option = if self.with.is_some() { "--with" } else { "--truth" };
@@ -123,9 +126,10 @@ impl Command {
         Ok(Arc::new(view))
     }
 
-    fn announce(&self, server: &Server) {
+    fn announce(&self, server: &Server) -> Result<()> {
         say!("{}", server.address());
-        let _ = std::io::stdout().flush();
+        // A page whose address nobody can read is of no use.
+        out::finish()?;
         let port = server.port();
         if self.bind.is_loopback() {
             note!("from another machine: ssh -L {port}:127.0.0.1:{port} HOST, then open the same address there");
@@ -133,5 +137,6 @@ impl Command {
             note!("it listens on {}: whoever has the address can look, and nothing is encrypted", self.bind);
         }
         note!("Ctrl-C ends it");
+        Ok(())
     }
 }

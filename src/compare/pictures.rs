@@ -32,11 +32,23 @@ pub fn write_pictures(a: &Map, b: &Map, comparison: &Comparison, folder: &Path) 
         };
         for (map, layer, suffix) in [(&left, from, "a"), (&right, to, "b"), (&bare, &between, "difference")] {
             let path = folder.join(format!("{}.{suffix}.png", found.name));
+            check(&path)?;
             write_picture(&path, map, layer)?;
             written.push(path);
         }
     }
     Ok(written)
+}
+
+/// Refuses to write over a file that is no picture.
+fn check(path: &Path) -> Result<()> {
+    match std::fs::read(path) {
+        Ok(bytes) if !bytes.starts_with(b"\x89PNG") => Err(Error::Resources(format!(
+            "{} is there and is no picture, so it is left as it is: give another folder with --pictures",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// The difference of two layers of the same size, as a layer to be shown.

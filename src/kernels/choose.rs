@@ -1,5 +1,6 @@
 //! Which backend a run takes, and why.
 
+use super::gpu::vulkan::Drivers;
 use super::gpu::{self, Gpu, adapter};
 use super::{Backend, cpu::Cpu};
 use crate::method::Method;
@@ -46,7 +47,8 @@ pub fn choose(choice: Choice, method: &dyn Method, threads: usize) -> Result<Cho
             Ok(gpu) => Ok(Chosen { backend: Box::new(gpu), why: "the best hardware adapter".into() }),
             Err(_) => {
                 let software = adapter::list().first().map(|a| format!(", only {}", a.name)).unwrap_or_default();
-                cpu(format!("there is no hardware GPU adapter{software}"))
+                let broken = Drivers::look().broken().next().map(|m| format!(" ({m})")).unwrap_or_default();
+                cpu(format!("there is no hardware GPU adapter{software}{broken}"))
             }
         },
     }

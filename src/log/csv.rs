@@ -57,7 +57,9 @@ impl Format for Csv {
                 }
                 Some(_) => {}
                 None if line.is_empty() => {}
-                None => break columns(&line).map_err(|what| at(number, what))?,
+                None => {
+                    break columns(&line).map_err(|what| super::table::unnamed(input.path(), number, &line, &what))?;
+                }
             }
         };
         let names = lines.number();
@@ -109,12 +111,17 @@ fn unknown(mut lines: Lines, columns: &[usize], kind: Option<Kind>) -> Result<Ve
             ids.push(id.into_owned());
         }
     }
-    // Plain numbers are indices: sensor 7 alone still means that there are eight.
-    let indices: Option<Vec<usize>> = ids.iter().map(|id| id.parse().ok().filter(|i| *i < MOST_SENSORS)).collect();
-    if let Some(indices) = indices {
-        ids = (0..=indices.into_iter().max().unwrap_or(0)).map(|i| i.to_string()).collect();
-    }
+    let ids = indices(ids);
     Ok(ids.into_iter().map(|id| Description { id: Some(id), kind, ..Description::default() }).collect())
+}
+
+/// Names of sensors; plain numbers are indices: sensor 7 alone still means that there are eight.
+pub(super) fn indices(ids: Vec<String>) -> Vec<String> {
+    let indices: Option<Vec<usize>> = ids.iter().map(|id| id.parse().ok().filter(|i| *i < MOST_SENSORS)).collect();
+    match indices {
+        Some(indices) => (0..=indices.into_iter().max().unwrap_or(0)).map(|i| i.to_string()).collect(),
+        None => ids,
+    }
 }
 
 /// The cells of a row.

@@ -2,7 +2,7 @@
 //! **Adding a format is one file and one line in [`FORMATS`].**
 
 use super::input::Input;
-use super::{Problem, carmen, csv, jsonl, matlab, sonar_ring_8};
+use super::{Problem, aria, carmen, cmu, csv, jsonl, matlab, player, rostopic, sonar_ring_8};
 use crate::reading::{Pose, Record};
 use crate::sensor::{Description, Kind, Sensor};
 use crate::{Error, Result};
@@ -12,8 +12,18 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 /// Every format, in the order in which they are asked.
-pub(crate) const FORMATS: &[&dyn Format] =
-    &[&sonar_ring_8::SonarRing8, &jsonl::JsonLines, &csv::Csv, &carmen::Carmen, &matlab::Matlab];
+pub(crate) const FORMATS: &[&dyn Format] = &[
+    &sonar_ring_8::SonarRing8,
+    &jsonl::JsonLines,
+    &csv::Csv,
+    &rostopic::RosTopic,
+    &aria::Aria,
+    &player::Player,
+    &cmu::Cmu,
+    &carmen::Carmen,
+    &matlab::Matlab,
+    &matlab::Octave,
+];
 
 /// What a format is shown to tell whether a log is its own.
 pub(crate) enum Probe<'a> {
@@ -54,6 +64,14 @@ pub(crate) trait Source: Send + Sync {
     }
     /// Whether the beams of a laser scan are laid out by its sensor (else each record carries its own heading).
     fn has_beams(&self) -> bool;
+    /// Whether it has the robot's poses; a log without them needs `--poses`.
+    fn has_poses(&self) -> bool {
+        true
+    }
+    /// Refuses sensors that, complete as they are, don't say what the log leaves open.
+    fn ready(&self, _sensors: &[Mounted]) -> Result<()> {
+        Ok(())
+    }
     /// Whether a preset of the program, not the log, describes its sensors.
     fn has_preset(&self) -> bool {
         false
@@ -95,6 +113,14 @@ pub(crate) struct Beams {
     pub first: f64,
     /// From one to the next, radians.
     pub step: f64,
+}
+
+impl Beams {
+    /// So many beams evenly over a field of view about the axis, radians; all around, the last stands beside the first.
+    pub fn over(fov: f64, count: u32) -> Beams {
+        let gaps = if fov > std::f64::consts::TAU - 1e-6 { count } else { count.saturating_sub(1) };
+        Beams { count, first: -fov / 2.0, step: fov / f64::from(gaps.max(1)) }
+    }
 }
 
 /// A sensor, and where its readings are taken to come from.

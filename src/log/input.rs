@@ -1,14 +1,15 @@
 //! Where a log's bytes come from: a file, plain or gzip, or a stream (standard input, a pipe) that is spooled to a
 //! temporary file, so that every log can be read twice and hashed. The spool has no name and vanishes with the process.
 
+use super::bytes::{Bytes, Pass};
+use super::gzip::{Gunzip, Trail};
 use super::lines::{Lines, unreadable};
 use crate::{Error, Result};
-use flate2::bufread::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// How messages and reports call standard input.
 pub(crate) const STDIN: &str = "<stdin>";
@@ -19,21 +20,20 @@ const HEAD: u64 = 64 << 10;
 #[derive(Debug, Clone)]
 pub(crate) struct Input {
     path: PathBuf,
-    spool: Option<Arc<File>>,
+    bytes: Arc<Bytes>,
+    /// What follows the gzip data, once it was read to its end.
+    trail: Arc<OnceLock<Trail>>,
 }
 
 impl Input {
-    /// A file that is there and not empty; a pipe is spooled into `folder`.
+    /// A file that is there and not empty, at the length that it has now; a pipe is spooled into `folder`.
     pub fn open(path: &Path, folder: Option<&Path>) -> Result<Input> {
-        let about = std::fs::metadata(path).map_err(|e| unreadable(path, None, &e))?;
-        if !about.is_file() {
-            let file = File::open(path).map_err(|e| unreadable(path, None, &e))?;
+        let unreadable = |e: io::Error| unreadable(path, None, &e);
+        let file = File::open(path).map_err(unreadable)?;
+        if !file.metadata().map_err(unreadable)?.is_file() {
             return Input::spool(path, file, folder);
         }
-        if about.len() == 0 {
-            return Err(Error::input(path, "is empty"));
-        }
-        Ok(Input { path: path.into(), spool: None })
+        Input::of(path, Bytes::new(file, Some(path.into())).map_err(unreadable)?)
     }
 
     /// A stream, copied to a nameless temporary file in `folder` (the system's, if `None`).
@@ -48,10 +48,15 @@ impl Input {
             ))
         };
         let mut file = tempfile::tempfile_in(folder).map_err(full)?;
-        if io::copy(&mut stream, &mut file).map_err(full)? == 0 {
+        io::copy(&mut stream, &mut file).map_err(full)?;
+        Input::of(path, Bytes::new(file, None).map_err(full)?)
+    }
+
+    fn of(path: &Path, bytes: Bytes) -> Result<Input> {
+        if bytes.is_empty() {
             return Err(Error::input(path, "is empty"));
         }
-        Ok(Input { path: path.into(), spool: Some(Arc::new(file)) })
+        Ok(Input { path: path.into(), bytes: Arc::new(bytes), trail: Arc::default() })
     }
 
     /// Its path, for messages.
@@ -59,18 +64,30 @@ impl Input {
         &self.path
     }
 
-    fn raw(&self) -> Result<Box<dyn Read + Send>> {
-        match &self.spool {
-            Some(file) => Ok(Box::new(Spool { file: file.clone(), at: 0 })),
-            None => Ok(Box::new(File::open(&self.path).map_err(|e| unreadable(&self.path, None, &e))?)),
-        }
+    /// What a user should know of it, in whole sentences; complete after the first pass to its end.
+    pub fn notes(&self) -> Vec<String> {
+        let trail = self.trail.get().map(|trail| match trail {
+            Trail::Zeros(n) => format!("zeros after its gzip data are passed over ({n} B)"),
+            Trail::Other(n) => {
+                format!("what follows its gzip data ({n} B) is no gzip and is passed over: if it belongs to the log, fetch it again")
+            }
+        });
+        self.bytes.notes().into_iter().map(String::from).chain(trail).collect()
+    }
+
+    /// Whether another program has appended to it since it was opened.
+    pub fn grown(&self) -> bool {
+        self.bytes.grown()
     }
 
     /// Its bytes from the start, unpacked if they are gzip.
     pub fn reader(&self) -> Result<Box<dyn BufRead + Send>> {
-        let mut raw = BufReader::with_capacity(256 << 10, self.raw()?);
-        let packed = raw.fill_buf().map_err(|e| unreadable(&self.path, None, &e))?.starts_with(b"\x1f\x8b");
-        Ok(if packed { Box::new(BufReader::with_capacity(256 << 10, MultiGzDecoder::new(raw))) } else { Box::new(raw) })
+        let packed = self.bytes.packed().map_err(|e| unreadable(&self.path, None, &e))?;
+        let pass = Pass::new(self.bytes.clone());
+        Ok(match packed {
+            true => Box::new(BufReader::with_capacity(256 << 10, Gunzip::new(pass, self.trail.clone()))),
+            false => Box::new(pass),
+        })
     }
 
     /// Its lines from the start.
@@ -91,29 +108,15 @@ impl Input {
 
     /// Adds its bytes, as they are stored, to a checksum.
     pub fn hash(&self, sum: &mut Sha256) -> Result<()> {
-        let mut raw = self.raw()?;
-        let mut buffer = vec![0; 256 << 10];
+        let mut pass = Pass::new(self.bytes.clone());
         loop {
-            match raw.read(&mut buffer) {
-                Ok(0) => return Ok(()),
-                Ok(n) => sum.update(&buffer[..n]),
-                Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
-                Err(e) => return Err(unreadable(&self.path, None, &e)),
+            let block = pass.fill_buf().map_err(|e| unreadable(&self.path, None, &e))?;
+            if block.is_empty() {
+                return Ok(());
             }
+            sum.update(block);
+            let taken = block.len();
+            pass.consume(taken);
         }
-    }
-}
-
-/// A reader of a shared file with a place of its own, so that passes don't disturb each other.
-struct Spool {
-    file: Arc<File>,
-    at: u64,
-}
-
-impl Read for Spool {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let n = crate::positioned::read(&self.file, buffer, self.at)?;
-        self.at += n as u64;
-        Ok(n)
     }
 }

@@ -1,13 +1,14 @@
 //! Lines of a text log, in constant memory however long a line is. LF and CRLF end a line, a byte-order mark before the
 //! first is dropped; a line that is too long or not text is a bad line, and the next one is read as usual.
 
+use super::bytes::Changed;
 use super::{BadLine, Problem};
 use crate::Error;
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 
 /// No line of a log is longer, bytes (the longest real ones, 361 beams, have 4 KB).
-const LONGEST: usize = 1 << 20;
+pub(super) const LONGEST: usize = 1 << 20;
 
 /// The lines of one input.
 pub(crate) struct Lines {
@@ -76,6 +77,9 @@ impl Lines {
 
 /// Why reading stopped, and what to do about it.
 pub(crate) fn unreadable(path: &Path, line: Option<u64>, error: &io::Error) -> Error {
+    if let Some(changed) = error.get_ref().and_then(|inner| inner.downcast_ref::<Changed>()) {
+        return Error::input(path, format!("{changed}: map it again when nothing writes it, or map a copy"));
+    }
     let what = match error.kind() {
         io::ErrorKind::UnexpectedEof => {
             "the compressed log is truncated here: fetch it again, or save its whole lines \

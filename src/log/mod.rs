@@ -3,18 +3,29 @@
 //! One file a format (see `format.rs` for the registry); `docs/formats.md` describes them for users. A log hands out
 //! [`Record`](crate::reading::Record)s as they were read; [`judge`](crate::reading::judge) decides what they are worth.
 
+mod aria;
+mod bytes;
 mod carmen;
+mod cmu;
 mod codes;
 mod csv;
 mod fields;
 mod format;
+mod gzip;
 mod input;
 mod jsonl;
 mod lines;
 mod matlab;
+mod player;
+mod poses;
 mod records;
+mod rostopic;
 mod sensors;
 mod sonar_ring_8;
+mod table;
+mod text;
+mod track;
+mod unknown;
 mod writer;
 
 pub use records::Records;
@@ -39,10 +50,28 @@ pub struct Options {
     pub sensor_file: Option<PathBuf>,
     /// Changes to every sensor, laid over all else.
     pub overrides: Overrides,
+    /// What the columns of a plain table hold, such as `t,x,y,heading:deg,range:cm` (docs/formats.md); the log is read as one.
+    pub columns: Option<String>,
+    /// Which variables of a MATLAB or Octave file are what, such as `pose=P,ranges=R,angles=A` (docs/formats.md).
+    pub fields: Option<String>,
+    /// A file of the robot's poses by time, in place of the log's.
+    pub poses: Option<PathBuf>,
+    /// What the columns of a table of poses hold, such as `t,x,y,heading`.
+    pub pose_columns: Option<String>,
     /// A classes file: names and colours of the labels, in place of the log's.
     pub classes: Option<PathBuf>,
     /// Folder for the copy of a stream; `None`: the system's temporary folder.
     pub spool: Option<PathBuf>,
+}
+
+impl Options {
+    fn mapping(&self) -> Vec<(&'static str, String)> {
+        let poses = self.poses.as_ref().map(|path| path.display().to_string());
+        [("columns", &self.columns), ("fields", &self.fields), ("poses", &poses), ("pose_columns", &self.pose_columns)]
+            .into_iter()
+            .filter_map(|(name, text)| Some((name, text.clone()?)))
+            .collect()
+    }
 }
 
 /// What a log holds.
@@ -83,6 +112,7 @@ pub struct Log {
     source: Box<dyn Source>,
     header: Header,
     sensors: Arc<[Mounted]>,
+    mapping: Vec<(&'static str, String)>,
 }
 
 impl Log {
@@ -121,15 +151,48 @@ impl Log {
             Place::Folder(folder) => Probe::Folder(folder),
             Place::File(_) => Probe::Text(&text),
         };
-        let format = FORMATS.iter().find(|f| f.claims(&probe)).ok_or_else(|| unknown(path, &probe, &head))?;
-        let source = format.open(place, options.kind)?;
+        if let Some(error) = unknown::binary(path, &head) {
+            return Err(error);
+        }
+        let (name, source) = match (&options.columns, &options.fields) {
+            (Some(_), Some(_)) => {
+                let what = "--columns names those of a table, --fields the variables of a MATLAB or Octave file: give one of them";
+                return Err(Error::Usage(what.into()));
+            }
+            (Some(columns), None) => (table::NAME, table::open(place, options, columns)?),
+            (None, Some(fields)) => matlab::open_fields(place, fields, options.kind)?,
+            (None, None) => {
+                let format = FORMATS.iter().find(|f| f.claims(&probe));
+                let format = format.ok_or_else(|| unknown::unknown(path, &probe, &head))?;
+                (format.name(), format.open(place, options.kind)?)
+            }
+        };
         let sensors = sensors::complete(path, source.as_ref(), options)?;
+        source.ready(&sensors)?;
+        let source = Log::posed(path, source, &sensors, options)?;
         let header = Header {
-            format: format.name(),
+            format: name,
             sensors: sensors.iter().map(|m| m.sensor.clone()).collect(),
             classes: source.classes().to_vec(),
         };
-        Ok(Log { path: path.into(), source, header, sensors: sensors.into() })
+        Ok(Log { path: path.into(), source, header, sensors: sensors.into(), mapping: options.mapping() })
+    }
+
+    /// The log with the poses of another file, if one is given; refuses a log that has none and is given none.
+    fn posed(path: &Path, source: Box<dyn Source>, sensors: &[Mounted], options: &Options) -> Result<Box<dyn Source>> {
+        match &options.poses {
+            Some(poses) => Ok(Box::new(poses::Posed::of(source, sensors, poses, options.pose_columns.as_deref())?)),
+            None if options.pose_columns.is_some() => Err(Error::Usage(
+                "--pose-columns names the columns of a file of poses: give it with --poses FILE".into(),
+            )),
+            None if source.has_poses() => Ok(source),
+            None => Err(Error::input(
+                path,
+                "holds readings, but no poses of the robot, and without them there is no map: give a file of poses by time with \
+                 --poses FILE, such as what `rostopic echo -p /odom` (or /amcl_pose) writes, or rows of t x y heading \
+                 (docs/formats.md)",
+            )),
+        }
     }
 
     /// Where it lies; `<stdin>` for standard input.
@@ -154,6 +217,11 @@ impl Log {
         }
     }
 
+    /// What the user said of its columns, variables and poses, by the options' names (`columns`, `fields`, `poses`, `pose_columns`).
+    pub fn mapping(&self) -> &[(&'static str, String)] {
+        &self.mapping
+    }
+
     /// What a user should know of how it is read, in whole sentences; complete after the first pass over it.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
@@ -168,6 +236,13 @@ impl Log {
             notes.push(format!("{id}: {count} beams over {span}°, {step}° apart, the first at {first}°, by {origin}."));
         }
         notes.extend(self.source.notes());
+        let inputs = self.source.inputs();
+        let of = |input: &&Input| -> Vec<String> {
+            let name = input.path().file_name().unwrap_or_default().display();
+            let whose = if inputs.len() > 1 { format!("{name}: ") } else { String::new() };
+            input.notes().into_iter().map(|note| format!("{whose}{note}")).collect()
+        };
+        notes.extend(inputs.iter().flat_map(of));
         notes
     }
 
@@ -198,25 +273,4 @@ impl std::fmt::Debug for Log {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Log").field("path", &self.path).field("header", &self.header).finish_non_exhaustive()
     }
-}
-
-/// The error about a log that no format claims.
-fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
-    let known: Vec<&str> = FORMATS.iter().map(|f| f.looks()).collect();
-    let known = known.join("; ");
-    if let Probe::Folder(_) = probe {
-        return Error::input(path, format!("no log in this folder. Known are: {known}"));
-    }
-    let packed = [("xz", &b"\xfd7zXZ"[..]), ("bzip2", b"BZh"), ("zstd", b"\x28\xb5\x2f\xfd"), ("zip", b"PK\x03\x04")];
-    if let Some((name, _)) = packed.iter().find(|(_, magic)| head.starts_with(magic)) {
-        return Error::input(path, format!("is packed with {name}: unpack it first (gzip is unpacked on the fly)"));
-    }
-    if head.starts_with(b"\x89HDF\r\n") {
-        let what = "is an HDF5 file: if it is a MATLAB log, load it in MATLAB and save it with save(name, '-v7')";
-        return Error::input(path, what);
-    }
-    let odd = head.iter().filter(|b| **b < 9 || (14..32).contains(*b)).count();
-    let what =
-        if odd * 50 > head.len() || head.contains(&0) { "is binary, not a log" } else { "is of no known format" };
-    Error::input(path, format!("{what}. Known are: {known}"))
 }

@@ -55,7 +55,8 @@ fn lay_beams(description: &mut Description, set: &Overrides, source: &dyn Source
         return Err(Error::Usage(what.into()));
     };
     if let Some(fov) = fov {
-        (description.first, description.step) = (Some(-fov / 2.0), Some(fov / f64::from(count - 1)));
+        let beams = Beams::over(fov, count);
+        (description.first, description.step) = (Some(beams.first), Some(beams.step));
     }
     description.first = first.or(description.first);
     Ok(())

@@ -50,7 +50,8 @@ impl Format for SonarRing8 {
         let folder = match place {
             Place::Folder(folder) => folder,
             Place::File(input) => {
-                let what = "one file of a sonar_ring_8 log: name the folder that holds it, with readings and poses";
+                let what = "one file of a sonar_ring_8 log: name the folder that holds it, with readings and poses; or, if it is \
+                            another table, name its columns with --columns (docs/formats.md)";
                 return Err(Error::input(input.path(), what));
             }
         };
@@ -94,6 +95,14 @@ impl Source for Folder {
 
     fn has_preset(&self) -> bool {
         true
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let growing = self.readings.grown() || self.poses.grown();
+        growing
+            .then(|| "rows at the end of one file that have no partner in the other yet are left out".into())
+            .into_iter()
+            .collect()
     }
 
     fn inputs(&self) -> Vec<&Input> {

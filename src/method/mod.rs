@@ -19,6 +19,7 @@ use crate::kernels::cpu::Job;
 use crate::layout;
 use crate::reading::Outcome;
 use crate::sensor::Sensor;
+use crate::similar::meant;
 use crate::snap::{Footprint, Snapped};
 use crate::{Error, Result};
 use settings::Settings;
@@ -232,9 +233,7 @@ pub fn make(settings: Settings) -> Box<dyn Method> {
 
 /// `; did you mean "x"? There are a, b, c.`
 pub fn nearest(name: &str, known: &[&str]) -> String {
-    let best = known.iter().max_by(|a, b| strsim::jaro(name, a).total_cmp(&strsim::jaro(name, b)));
-    let hint =
-        best.filter(|b| strsim::jaro(name, b) > 0.6).map(|b| format!("did you mean \"{b}\"? ")).unwrap_or_default();
+    let hint = meant(name, known).map(|meant| format!("did you mean {meant}? ")).unwrap_or_default();
     format!("; {hint}there are {}", known.join(", "))
 }
 

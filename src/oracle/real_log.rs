@@ -20,7 +20,9 @@ fn test1() -> Option<(Sensor, Vec<Reading>)> {
     };
     let (Some(poses), Some(ranges)) = (table("od.txt"), table("sonar.txt")) else {
         // Straight to the stream: the harness would swallow a print of a test that passes.
-        let text = format!("SKIPPED: {} is not there; set ECHOGRID_DATA to the folder of the logs\n", folder.display());
+        let thread = std::thread::current();
+        let (test, folder) = (thread.name().unwrap_or("?"), folder.display());
+        let text = format!("SKIPPED {test}: no {folder} (set ECHOGRID_DATA to the folder of real logs)\n");
         let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
         return None;
     };

@@ -1,6 +1,7 @@
 //! Whether a stored map is whole: every shard is read, which tests its checksums, and what the layers come to is held
 //! against the report.
 
+use super::names::{REPORT, STORE};
 use super::zarr::{Reader, Tried};
 use super::{folder, report};
 use crate::grid::Map;
@@ -30,11 +31,10 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
     if !folder::is_map(path) {
         return Err(Error::input(path, "it is no echogrid map: a folder with report.json and map.zarr is wanted"));
     }
-    let unreadable = |e: super::zarr::Cause| Error::input(path.join("map.zarr"), format!("it can't be read: {e}"));
-    let text = std::fs::read(path.join("report.json")).map_err(|e| Error::input(path, e.to_string()))?;
-    let stored: Value =
-        serde_json::from_slice(&text).map_err(|e| Error::input(path.join("report.json"), e.to_string()))?;
-    let reader = Reader::open(&path.join("map.zarr")).map_err(unreadable)?;
+    let unreadable = |e: super::zarr::Cause| Error::input(path.join(STORE), format!("it can't be read: {e}"));
+    let text = std::fs::read(REPORT.at(path)).map_err(|e| Error::input(path, e.to_string()))?;
+    let stored: Value = serde_json::from_slice(&text).map_err(|e| Error::input(REPORT.at(path), e.to_string()))?;
+    let reader = Reader::open(&path.join(STORE)).map_err(unreadable)?;
     let mut found = Checked { layers: reader.names().len(), ..Checked::default() };
     for (k, name) in reader.names().iter().enumerate() {
         let mut all = [0.0, f64::INFINITY, f64::NEG_INFINITY];

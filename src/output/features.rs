@@ -3,6 +3,7 @@
 
 mod picture;
 
+use super::names::{FEATURES, FEATURES_PARTIAL, FEATURES_PICTURE, FEATURES_PICTURE_PARTIAL, Name, PICTURE};
 use super::unwritable;
 use crate::Result;
 use crate::feature::{Known, Rcd};
@@ -22,17 +23,16 @@ const FRAME: &str =
 /// # Errors
 /// [`Error::Resources`](crate::Error::Resources) if one can't be written.
 pub fn write_features(folder: &Path, known: &Known, grid: &GridSpec) -> Result<()> {
-    save(&folder.join("features.geojson"), &geojson(known))?;
-    let drawn_over = folder.join("map.png").is_file();
-    save(&folder.join("features.svg"), &picture::svg(known, grid, drawn_over))
+    let drawn_over = PICTURE.at(folder).is_file();
+    save(folder, [FEATURES, FEATURES_PARTIAL], &geojson(known))?;
+    save(folder, [FEATURES_PICTURE, FEATURES_PICTURE_PARTIAL], &picture::svg(known, grid, drawn_over))
 }
 
-fn save(path: &Path, text: &str) -> Result<()> {
-    let mut partial = path.as_os_str().to_os_string();
-    partial.push(".partial");
-    std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path)).map_err(|e| {
+fn save(folder: &Path, names: [Name; 2], text: &str) -> Result<()> {
+    let [path, partial] = names.map(|name| name.at(folder));
+    std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, &path)).map_err(|e| {
         let _ = std::fs::remove_file(&partial);
-        unwritable(path, e)
+        unwritable(&path, e)
     })
 }
 

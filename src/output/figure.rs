@@ -1,6 +1,7 @@
 //! `figure.svg`: mean, variance and class side by side, each with its scale in numbers and its colours' names; for the methods that
 //! have them. The pictures lie in the file.
 
+use super::names::{FIGURE, LAYER_PICTURE};
 use super::png::{UNTOUCHED, colour};
 use super::svg::{base64, escape};
 use super::{Outline, unwritable};
@@ -45,7 +46,7 @@ pub(super) fn write(folder: &Path, outline: &Outline, classes: &[String]) -> Res
     );
     for ((k, layer), (_, title)) in layers.iter().enumerate().zip(PANELS) {
         let left = GAP + k as f64 * (EDGE + GAP);
-        let path = folder.join(format!("{}.png", layer.name));
+        let path = folder.join(LAYER_PICTURE.of(&layer.name));
         let picture = std::fs::read(&path).map_err(|e| unwritable(&path, e))?;
         let title = if k == 0 { format!("{}: {title}", outline.method) } else { title.to_string() };
         svg += &format!(
@@ -68,7 +69,7 @@ pub(super) fn write(folder: &Path, outline: &Outline, classes: &[String]) -> Res
         grid.y0(),
         grid.y0() + up
     );
-    let path = folder.join("figure.svg");
+    let path = FIGURE.at(folder);
     std::fs::write(&path, svg).map_err(|e| unwritable(&path, e))
 }
 

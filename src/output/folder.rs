@@ -2,23 +2,34 @@
 //! or the new one, never half of either.
 //!
 //! The old map steps aside as `DIR.old-PID` before the new one takes its place; a run killed between the two renames is
-//! mended by the next [`Folder::prepare`]. Nothing is ever removed that echogrid didn't write.
+//! mended by the next [`Folder::prepare`]. Nothing is ever removed that echogrid didn't write: a folder that holds anything
+//! else ([`Contents`]) is refused, before the run and once more at its end.
 
-use super::writer::RUN;
+use super::contents::Contents;
+use super::names::{MARKER, REPORT, RUN, STORE, STORE_ROOT};
 use crate::{Error, Result};
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
-/// Lies in a partial folder, locked by the run that writes it, and in an old map that steps aside. Without it nothing
-/// beside DIR is taken for ours: `map.old-2024` may well be the user's.
-const MARKER: &str = ".echogrid-partial";
+/// What becomes of an unfinished map that a killed run left beside the output folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unfinished {
+    /// It is an error.
+    #[default]
+    Refuse,
+    /// It stays, to be gone on with.
+    Resume,
+    /// It is removed.
+    Discard,
+}
 
 /// An output folder being written. Dropped without [`Folder::finish`], it removes its partial folder and those it made above.
 #[derive(Debug)]
 pub struct Folder {
     target: PathBuf,
     partial: PathBuf,
-    /// Held open for its lock: a second run on the same folder sees it.
+    /// The marker lies in a partial folder, and in an old map that steps aside: without it nothing beside DIR is taken for
+    /// ours, as `map.old-2024` may well be the user's. Held open for its lock: a second run on the same folder sees it.
     marker: Option<File>,
     /// Whether an earlier run's work lies in the partial folder: no error removes it.
     resumed: bool,
@@ -29,12 +40,22 @@ pub struct Folder {
 impl Folder {
     /// Checks, before the long run, that `path` may become a map, and opens `path.partial` beside it, afresh.
     pub fn prepare(path: &Path) -> Result<Folder> {
-        Folder::open(path, false)
+        Folder::open(path, Unfinished::Refuse)
     }
 
-    /// The same; with `resume`, an unfinished map that a killed run left in `path.partial` stays, to be gone on with.
-    /// Without it such a one is an error.
-    pub fn open(path: &Path, resume: bool) -> Result<Folder> {
+    /// Checks that `path` may become a map, and opens nothing.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where it holds anything but an echogrid map's own files, which are named.
+    pub fn check(path: &Path) -> Result<()> {
+        check_target(&resolve(path)?)
+    }
+
+    /// As [`Folder::prepare`]; `unfinished` says what becomes of an unfinished map that a killed run left in `path.partial`.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where the folder can't be made or may not be replaced.
+    pub fn open(path: &Path, unfinished: Unfinished) -> Result<Folder> {
         let target = resolve(path)?;
         let parent = parent_of(&target);
         if let Some(file) = parent.ancestors().find(|a| a.is_file()) {
@@ -45,8 +66,8 @@ impl Folder {
         fs::create_dir_all(&parent).map_err(|e| unusable(path, &format!("its parent can't be made: {e}")))?;
         recover(&folder.target)?;
         check_target(&folder.target)?;
-        folder.marker = Some(open_partial(&folder.partial, resume)?);
-        folder.resumed = folder.partial.join(RUN).exists();
+        folder.marker = Some(open_partial(&folder.partial, unfinished)?);
+        folder.resumed = RUN.at(&folder.partial).exists();
         Ok(folder)
     }
 
@@ -61,44 +82,65 @@ impl Folder {
     }
 
     /// Makes what was written the user's folder, in place of an older map, and returns its path.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where that can't be done, or where files that aren't the older map's have come into the folder
+    /// meanwhile. What was written stays beside it then, and the error says where.
     pub fn finish(mut self) -> Result<PathBuf> {
+        match self.replace() {
+            Ok(()) => Ok(self.target.clone()),
+            Err(error) => Err(error.and(&format!("the new map is whole and lies in {}", self.set_aside().display()))),
+        }
+    }
+
+    fn replace(&mut self) -> Result<()> {
         let place = |e: std::io::Error| {
             let (partial, target) = (self.partial.display(), self.target.display());
             Error::Resources(format!("{partial} can't become {target}: {e}; the folder's parent must stay writable"))
         };
         check_target(&self.target)?;
-        let free = |n: &u32| !beside(&self.target, &format!(".old-{n}")).exists();
-        let number = (std::process::id()..).find(free).unwrap_or_default();
-        let old = beside(&self.target, &format!(".old-{number}"));
+        let old = free(&self.target, "old", std::process::id());
         let replaces = is_map(&self.target);
         if replaces {
-            File::create(self.target.join(MARKER)).map_err(place)?;
+            File::create(MARKER.at(&self.target)).map_err(place)?;
             fs::rename(&self.target, &old).map_err(place)?;
         } else if self.target.is_dir() {
             fs::remove_dir(&self.target).map_err(place)?; // empty: check_target saw to that
         }
-        if let Err(e) = fs::rename(&self.partial, &self.target) {
-            let error = place(e);
+        // Nobody finds the old map by its name any more: what came into it since it was checked is seen now.
+        let checked = if replaces { check_foreign(&old, &self.target) } else { Ok(()) };
+        if let Err(error) = checked.and_then(|()| fs::rename(&self.partial, &self.target).map_err(place)) {
             if replaces {
                 fs::rename(&old, &self.target).map_err(place)?;
-                let _ = fs::remove_file(self.target.join(MARKER));
+                let _ = fs::remove_file(MARKER.at(&self.target));
             }
             return Err(error);
         }
         self.marker = None;
         // The map stands. A leftover beside it is only untidy, and the next run removes it.
-        let _ = fs::remove_file(self.target.join(MARKER));
+        let _ = fs::remove_file(MARKER.at(&self.target));
         if replaces {
-            let _ = remove(&old);
+            let _ = Contents::of(&old, false).and_then(Contents::remove);
         }
-        Ok(self.target.clone())
+        Ok(())
+    }
+
+    /// Gives what was written a name of its own that no run removes; where that can't be done, it stays where it is.
+    fn set_aside(&mut self) -> PathBuf {
+        self.marker = None;
+        let aside = free(&self.target, "new", 1);
+        if fs::rename(&self.partial, &aside).is_err() {
+            return self.partial.clone();
+        }
+        let _ = fs::remove_file(MARKER.at(&aside));
+        aside
     }
 }
 
 impl Drop for Folder {
     fn drop(&mut self) {
         if self.marker.take().is_some() && !self.resumed {
-            let _ = remove(&self.partial);
+            let _ = Contents::of(&self.partial, true).and_then(Contents::remove);
         }
         // What holds a map or anything else stays: only empty folders can be removed so.
         for folder in &self.made {
@@ -111,14 +153,14 @@ impl Drop for Folder {
 
 /// Whether a folder is a complete map of echogrid's: a report that names a method and a version, and a Zarr store.
 pub(super) fn is_map(path: &Path) -> bool {
-    let Ok(text) = fs::read(path.join("report.json")) else { return false };
+    let Ok(text) = fs::read(REPORT.at(path)) else { return false };
     let Ok(report) = serde_json::from_slice::<serde_json::Value>(&text) else { return false };
-    report.get("method").is_some() && report.get("version").is_some() && path.join("map.zarr").is_dir()
+    report.get("method").is_some() && report.get("version").is_some() && STORE_ROOT.at(path).is_file()
 }
 
 /// Whether a folder is meant as a map, whole or damaged: no log looks so.
 pub(crate) fn seems_map(path: &Path) -> bool {
-    path.join("map.zarr").is_dir() || path.join("report.json").is_file()
+    path.join(STORE).is_dir() || REPORT.at(path).is_file()
 }
 
 /// Old maps that a killed run left beside `target`.
@@ -130,7 +172,7 @@ pub(super) fn leftovers(target: &Path) -> Vec<PathBuf> {
         pid.is_some_and(|p| !p.is_empty() && p.bytes().all(|b| b.is_ascii_digit()))
     };
     let names = entries.flatten().filter(|e| e.file_name().to_str().is_some_and(is_old));
-    let mut paths: Vec<PathBuf> = names.map(|e| e.path()).filter(|p| p.join(MARKER).exists()).collect();
+    let mut paths: Vec<PathBuf> = names.map(|e| e.path()).filter(|p| MARKER.at(p).exists()).collect();
     paths.sort();
     paths
 }
@@ -139,10 +181,17 @@ pub(super) fn leftovers(target: &Path) -> Vec<PathBuf> {
 fn recover(target: &Path) -> Result<()> {
     for old in leftovers(target) {
         if is_map(target) {
-            remove(&old).map_err(|e| unusable(&old, &format!("it is an old map that can't be removed: {e}")))?;
+            let unremovable =
+                |e: std::io::Error| unusable(&old, &format!("it is an old map that can't be removed: {e}"));
+            let contents = Contents::of(&old, false).map_err(unremovable)?;
+            if let Some(foreign) = contents.foreign() {
+                let what = format!("a killed run left {}, which holds {foreign}, not the map's", old.display());
+                return Err(blocked(target, &what, "move what is yours"));
+            }
+            contents.remove().map_err(unremovable)?;
         } else if !target.exists() && is_map(&old) {
             fs::rename(&old, target).map_err(|e| unusable(target, &format!("{} can't return: {e}", old.display())))?;
-            let _ = fs::remove_file(target.join(MARKER));
+            let _ = fs::remove_file(MARKER.at(target));
         }
     }
     Ok(())
@@ -158,15 +207,30 @@ fn check_target(target: &Path) -> Result<()> {
         return Err(blocked(target, "it is a mount point, which no rename can replace", "give a folder inside it"));
     }
     let mut entries = fs::read_dir(target).map_err(|e| unusable(target, &e.to_string()))?;
-    if entries.next().is_some() && !is_map(target) {
+    if entries.next().is_none() {
+        return Ok(());
+    }
+    if !is_map(target) {
         return Err(unusable(target, "it holds files and is no echogrid map, so it is left as it is"));
     }
-    Ok(())
+    check_foreign(target, target)
 }
 
-/// Makes the partial folder afresh and locks its marker.
-fn open_partial(partial: &Path, resume: bool) -> Result<File> {
-    let marker = partial.join(MARKER);
+/// A map that holds anything but its own files is not replaced; `target` is its name.
+fn check_foreign(map: &Path, target: &Path) -> Result<()> {
+    let contents = Contents::of(map, false).map_err(|e| unusable(target, &e.to_string()))?;
+    match contents.foreign() {
+        None => Ok(()),
+        Some(foreign) => {
+            let what = format!("beside the files of a map it holds {foreign}");
+            Err(blocked(target, &what, "move what is yours out of it"))
+        }
+    }
+}
+
+/// Makes the partial folder afresh, or opens it as it is to be gone on with, and locks its marker.
+fn open_partial(partial: &Path, unfinished: Unfinished) -> Result<File> {
+    let marker = MARKER.at(partial);
     if partial.exists() {
         if !partial.is_dir() || !is_ours(partial) {
             return Err(blocked(partial, "it is in the way and echogrid didn't write it", "move it"));
@@ -174,14 +238,20 @@ fn open_partial(partial: &Path, resume: bool) -> Result<File> {
         if File::open(&marker).is_ok_and(|file| locked(&file)) {
             return Err(blocked(partial, "another run is writing it", "wait for that run"));
         }
-        if partial.join(RUN).exists() {
-            if !resume {
-                let what = "it holds an unfinished map";
-                return Err(blocked(partial, what, "go on with it by --resume, or remove it"));
+        let contents = Contents::of(partial, true).map_err(|e| unusable(partial, &e.to_string()))?;
+        if let Some(foreign) = contents.foreign() {
+            let what = format!("a killed run left it, and it holds {foreign}, which is no file of a map");
+            return Err(blocked(partial, &what, "move what is yours out of it"));
+        }
+        match (RUN.at(partial).exists(), unfinished) {
+            (true, Unfinished::Resume) => {}
+            (true, Unfinished::Refuse) => {
+                let remedy = "go on with it by `echogrid map --resume`, discard it by `echogrid map --overwrite`";
+                return Err(blocked(partial, "it holds an unfinished map", remedy));
             }
-        } else {
-            remove(partial)
-                .map_err(|e| unusable(partial, &format!("a killed run left it and it can't be removed: {e}")))?;
+            _ => contents
+                .remove()
+                .map_err(|e| unusable(partial, &format!("a killed run left it and it can't be removed: {e}")))?,
         }
     }
     fs::create_dir_all(partial).map_err(|e| unusable(partial, &e.to_string()))?;
@@ -207,28 +277,7 @@ fn locked(file: &File) -> bool {
 /// Whether a partial folder is echogrid's: its marker, or nothing at all.
 fn is_ours(partial: &Path) -> bool {
     let empty = fs::read_dir(partial).is_ok_and(|mut entries| entries.next().is_none());
-    partial.join(MARKER).exists() || empty
-}
-
-/// Removes a folder of ours so that a kill halfway leaves it recognisable: the report goes first, so that it is no map
-/// any more, the marker last.
-fn remove(path: &Path) -> std::io::Result<()> {
-    let _ = fs::remove_file(path.join("report.json"));
-    let marker = path.join(MARKER);
-    for entry in fs::read_dir(path)? {
-        let entry = entry?.path();
-        if entry == marker {
-            continue;
-        } else if entry.is_dir() && !entry.is_symlink() {
-            fs::remove_dir_all(&entry)?;
-        } else {
-            fs::remove_file(&entry)?;
-        }
-    }
-    if marker.exists() {
-        fs::remove_file(&marker)?;
-    }
-    fs::remove_dir(path)
+    MARKER.at(partial).exists() || empty
 }
 
 /// The folder that is meant, through links and dots, so that its partial lies on the same file system.
@@ -242,6 +291,12 @@ fn resolve(path: &Path) -> Result<PathBuf> {
         Some(_) => Ok(target),
         None => Err(unusable(path, "it has no name, as out/map has")),
     }
+}
+
+/// The first free name beside a folder, such as DIR.old-77, from a number on.
+fn free(target: &Path, what: &str, from: u32) -> PathBuf {
+    let name = |n: u32| beside(target, &format!(".{what}-{n}"));
+    (from..).map(name).find(|path| fs::symlink_metadata(path).is_err()).unwrap_or_else(|| name(from))
 }
 
 fn parent_of(target: &Path) -> PathBuf {

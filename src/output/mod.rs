@@ -2,9 +2,11 @@
 //! writes into the folder it is given, and [`Folder`] alone decides when that folder becomes the user's.
 
 mod check;
+mod contents;
 mod features;
 mod figure;
 mod folder;
+pub(crate) mod names;
 mod npy;
 pub(crate) mod png;
 mod raster;
@@ -17,14 +19,14 @@ mod zarr;
 
 pub use check::{Checked, check};
 pub use features::write_features;
-pub use folder::Folder;
 pub(crate) use folder::seems_map;
+pub use folder::{Folder, Unfinished};
 pub use png::write_picture;
 pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
-pub use ros::read_ros;
+pub use ros::{RosMap, read_ros};
 pub use working::write_working;
 pub(crate) use working::{Outline as ConeOutline, own_is, weigher};
-pub use writer::{MapWriter, Outline, cut, head};
+pub use writer::{MapWriter, Outline, begun, cut, head};
 pub(crate) use zarr::{Pieces, Stored, StoredLayer};
 pub use zarr::{StoredMap, read_map};
 
@@ -58,6 +60,11 @@ pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, n
         updates = 0;
     }
     writer.finish(info)
+}
+
+/// Removes what a run has left in its partial folder; what isn't echogrid's stays, and so does the folder then.
+pub(crate) fn discard(partial: &Path) {
+    let _ = contents::Contents::of(partial, true).and_then(contents::Contents::remove);
 }
 
 /// What every writer relies on: layers of the grid's size, names that are file names, the two layers of every map.

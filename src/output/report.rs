@@ -167,6 +167,8 @@ pub struct Report {
     pub backend: String,
     /// The adapter's name, where the backend has one.
     pub adapter: Option<String>,
+    /// The map's files, but for its store and its `working-N` files: when the folder is replaced, no other may be in it.
+    pub files: Vec<String>,
     /// Version of echogrid.
     pub version: String,
 }
@@ -277,6 +279,7 @@ impl Report {
             peak_memory: peak_memory(),
             backend: info.backend.clone(),
             adapter: info.adapter.clone(),
+            files: Vec::new(),
             version: env!("CARGO_PKG_VERSION").into(),
         }
     }

@@ -7,6 +7,7 @@ mod canvas;
 mod outline;
 mod picture;
 
+use super::names::{WORKING, WORKING_PICTURE};
 use super::report::{parameters, tidy};
 use super::unwritable;
 use crate::grid::{GridSpec, Map};
@@ -127,7 +128,7 @@ pub fn write_working(
     let weigh = weigher(settings);
     let panels = panels(settings, reading);
     let layout = Layout::of(&outline, &working, &panels, &weigh);
-    let paths = ["png", "json"].map(|kind| folder.join(format!("working-{number}.{kind}")));
+    let paths = [WORKING_PICTURE, WORKING].map(|name| folder.join(name.of(number)));
     picture::draw(grid, &outline, &working, &layout, &weigh, map)
         .save(&paths[0])
         .map_err(|e| unwritable(&paths[0], e))?;

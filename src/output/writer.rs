@@ -1,6 +1,10 @@
 //! Writes a map chunk by chunk: whatever its size, a few chunks in memory. A finished chunk is written to every file and
 //! then noted, so that a run that was killed goes on after the last one that was noted.
 
+use super::names::{
+    self, CANVAS, FEATURES, FEATURES_PICTURE, FOUND, LAYER_ARRAY, LAYER_PICTURE, OVERVIEW_CANVAS, PICTURE, PROGRESS,
+    REPORT, RUN, STORE,
+};
 use super::raster::{Block, Raster};
 use super::report::{self, Tally};
 use super::{Report, RunInfo, figure, npy, png, ros, unwritable, zarr};
@@ -14,9 +18,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What a run is, and the chunks that it has finished; both go when the map is whole.
-pub(super) const RUN: &str = "run.json";
-const PROGRESS: &str = "progress.jsonl";
 /// The overview's coarsest level has no side longer than this.
 const COARSEST: usize = 256;
 
@@ -61,11 +62,17 @@ impl MapWriter {
     pub fn open(place: &Path, outline: Outline, info: &RunInfo, resume: bool) -> Result<MapWriter> {
         let mut identity = zarr::attributes(&outline.grid, &outline.method, &outline.heads, info);
         identity.insert("npy".into(), outline.npy.into());
-        let run = place.join(RUN);
+        let run = RUN.at(place);
         let before = std::fs::read(&run).ok().and_then(|text| serde_json::from_slice::<Value>(&text).ok());
         let resume = resume && before.is_some();
         if let (true, Some(before)) = (resume, before) {
             same_run(place, &before, &Value::Object(identity.clone()))?;
+        }
+        let progress = PROGRESS.at(place);
+        if !resume {
+            // Before all other files: it says of which layers they are.
+            File::create(&progress).map_err(|e| unwritable(&progress, e))?;
+            std::fs::write(&run, Value::Object(identity).to_string()).map_err(|e| unwritable(&run, e))?;
         }
         let GridSpec { width, height, .. } = outline.grid;
         let coarser = |k: usize| width.max(height) >> k > COARSEST && 1 << k < EDGE;
@@ -76,21 +83,14 @@ impl MapWriter {
             if k == 0 && shown != 0 {
                 return Ok(None);
             }
-            canvas(place, &format!("overview-{k}"), &outline.grid, 1 << k, resume).map(Some)
+            canvas(place, &OVERVIEW_CANVAS.of(k), &outline.grid, 1 << k, resume).map(Some)
         };
         let canvases = outline.heads.iter().filter(|h| h.name != "map");
-        let canvases = canvases.map(|h| canvas(place, &h.name, &outline.grid, 1 << shown, resume));
-        let array = |h: &Layer| npy::open(&place.join(format!("{}.npy", h.name)), &outline.grid, &h.data, resume);
+        let canvases = canvases.map(|h| canvas(place, &CANVAS.of(&h.name), &outline.grid, 1 << shown, resume));
+        let array = |h: &Layer| npy::open(&place.join(LAYER_ARRAY.of(&h.name)), &outline.grid, &h.data, resume);
         let arrays = if outline.npy { &outline.heads[..] } else { &[] };
-        let progress = place.join(PROGRESS);
         let mut writer = MapWriter {
-            store: zarr::Store::open(
-                &place.join("map.zarr"),
-                &outline.grid,
-                &outline.heads,
-                &outline.combined,
-                levels,
-            )?,
+            store: zarr::Store::open(&place.join(STORE), &outline.grid, &outline.heads, &outline.combined, levels)?,
             pgm: ros::open(place, &outline.grid, resume)?,
             arrays: arrays.iter().map(array).collect::<Result<_>>()?,
             levels: (0..levels).map(level).collect::<Result<_>>()?,
@@ -108,9 +108,6 @@ impl MapWriter {
         };
         if resume {
             writer.recall(&progress)?;
-        } else {
-            writer.progress.set_len(0).map_err(|e| unwritable(&progress, e))?;
-            std::fs::write(&run, Value::Object(identity).to_string()).map_err(|e| unwritable(&run, e))?;
         }
         Ok(writer)
     }
@@ -160,7 +157,7 @@ impl MapWriter {
         }
         let tally = Tally::of(map);
         let line = serde_json::to_string(&(at, &tally)).unwrap_or_default() + "\n";
-        self.progress.write_all(line.as_bytes()).map_err(|e| unwritable(&self.place.join(PROGRESS), e))?;
+        self.progress.write_all(line.as_bytes()).map_err(|e| unwritable(&PROGRESS.at(&self.place), e))?;
         self.done.insert(at, tally);
         Ok(())
     }
@@ -179,19 +176,18 @@ impl MapWriter {
         }
         self.pgm.close()?;
         self.arrays.drain(..).try_for_each(Raster::close)?;
-        let picture = |name: &str| self.place.join(format!("{name}.png"));
         for (level, raster) in self.levels.iter().enumerate() {
             let Some(raster) = raster else { continue };
             if level > 0 {
                 shards(raster, |at, entries| self.store.overview(level, at, entries))?;
             }
             if level == self.shown {
-                save(raster, &picture("map"), &outline.combined)?;
+                save(raster, &PICTURE.at(&self.place), &outline.combined)?;
             }
         }
         let heads = outline.heads.iter().filter(|h| h.name != "map");
         for (raster, head) in self.canvases.iter().zip(heads) {
-            save(raster, &picture(&head.name), head)?;
+            save(raster, &self.place.join(LAYER_PICTURE.of(&head.name)), head)?;
         }
         figure::write(&self.place, outline, &info.classes)?;
         let unreached: BTreeMap<Place, Tally> = places(&outline.grid)
@@ -200,20 +196,39 @@ impl MapWriter {
             .collect();
         let tallies = places(&outline.grid).filter_map(|at| self.done.get(&at).or(unreached.get(&at)));
         let mut report = Report::of(&outline.grid, &outline.method, &outline.heads, tallies, info);
+        report.files = files(&self.place, outline, info);
         let mut attributes = zarr::attributes(&outline.grid, &outline.method, &outline.heads, info);
         attributes.insert("updates".into(), report.updates.into());
         self.store.close(attributes)?;
         report.seconds.push(("write".into(), started.elapsed().as_secs_f64()));
         report.peak_memory = report::peak_memory();
-        report::write(&self.place.join("report.json"), &report)?;
+        report::write(&REPORT.at(&self.place), &report)?;
         // What a resumed run would need goes last, and what tells it that there is something to resume goes first.
         for name in [RUN, PROGRESS] {
-            let path = self.place.join(name);
+            let path = name.at(&self.place);
             std::fs::remove_file(&path).map_err(|e| unwritable(&path, e))?;
         }
         self.levels.into_iter().flatten().chain(self.canvases).try_for_each(Raster::remove)?;
         Ok(report)
     }
+}
+
+/// The map's files but for those of [`write_working`](super::write_working): what is written, and what its features will be.
+fn files(place: &Path, outline: &Outline, info: &RunInfo) -> Vec<String> {
+    let layers: Vec<String> = outline.heads.iter().map(|h| h.name.clone()).collect();
+    let mut later = vec![REPORT.at(place)];
+    if info.features.is_some() {
+        later.extend([FEATURES, FEATURES_PICTURE].map(|name| name.at(place)));
+    }
+    let there = |path: PathBuf| path.is_file() || later.contains(&path);
+    names::of(&layers).into_iter().filter(|name| there(place.join(name))).collect()
+}
+
+/// Whether something lies in a partial folder with which `--resume` would go on: finished chunks, or what the rounds before
+/// them found.
+pub fn begun(partial: &Path) -> bool {
+    let finished = std::fs::metadata(PROGRESS.at(partial)).is_ok_and(|file| file.len() > 0);
+    RUN.at(partial).exists() && (finished || FOUND.at(partial).exists())
 }
 
 /// A chunk's part of a raster that is reduced by a factor.
@@ -224,7 +239,7 @@ fn block(part: &GridSpec, [row, column]: Place, factor: usize) -> Block {
 
 /// A picture's palette entries on disk, top row first.
 fn canvas(place: &Path, name: &str, grid: &GridSpec, factor: usize, resume: bool) -> Result<Raster> {
-    Raster::open(&place.join(format!("{name}.canvas")), &[], png::reduced(grid, factor), 1, false, resume)
+    Raster::open(&place.join(name), &[], png::reduced(grid, factor), 1, false, resume)
 }
 
 /// Shows each shard of a level's entries.

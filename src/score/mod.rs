@@ -23,7 +23,7 @@ pub use probability::{Quality, probabilities};
 pub use report::write_report;
 pub use require::{Check, Requirement};
 pub use table::table;
-pub use truth::{TrueCells, Truth, open_map, reach, wider};
+pub use truth::{TrueCells, Truth, open_map, open_map_noting, reach, wider};
 
 use crate::Result;
 use crate::grid::Map;

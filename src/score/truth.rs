@@ -2,8 +2,8 @@
 
 use super::levels::class_of;
 use crate::grid::{GridSpec, Map};
-use crate::output::{read_map, read_ros};
-use crate::world::{World, true_map};
+use crate::output::{RosMap, read_map};
+use crate::world::{Shipped, World, meant, true_map};
 use crate::{Error, Result, memory};
 use std::fmt;
 use std::path::Path;
@@ -53,14 +53,26 @@ pub struct TrueCells {
 }
 
 impl Truth {
-    /// Opens a truth: a world's TOML file, a map's folder, or a ROS map by its YAML file. `r_max` is [`Truth::of_world`]'s.
-    pub fn open(path: &Path, r_max: Option<f64>) -> Result<Truth> {
-        let is_world = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) && !path.is_dir();
-        match (is_world, r_max) {
-            (true, _) => Truth::of_world(World::open(path)?, r_max),
-            (false, None) => Ok(Truth::Map(open_map(path)?)),
+    /// Opens a truth: a built-in world by its name, a world's TOML file, a map's folder, or a ROS map by its YAML file.
+    /// `r_max` is [`Truth::of_world`]'s; what a user should know of it goes to `note`, if anything.
+    pub fn open_noting(path: &Path, r_max: Option<f64>, note: &mut dyn FnMut(String)) -> Result<Truth> {
+        let is_file = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) && !path.is_dir();
+        if let Some(what) = Shipped::beside_file(path) {
+            note(what);
+        }
+        match (is_file || Shipped::named(path).is_some(), r_max) {
+            (true, _) => Truth::of_world(World::find(path)?, r_max),
+            (false, _) if !path.exists() && path.extension().is_none() => {
+                Err(Error::input(path, format!("there is no such map, nor such a world; {}", meant(path))))
+            }
+            (false, None) => Ok(Truth::Map(open_map_noting(path, note)?)),
             (false, Some(_)) => Err(Error::Usage(format!("--r-max is for worlds: {} is a map", path.display()))),
         }
+    }
+
+    /// The same, without what there is to note.
+    pub fn open(path: &Path, r_max: Option<f64>) -> Result<Truth> {
+        Truth::open_noting(path, r_max, &mut |_| {})
     }
 
     /// A world's truth: what an ideal sensor of range `r_max`, metres, would know from its path; by default the farthest
@@ -132,15 +144,25 @@ impl Truth {
     }
 }
 
-/// Opens a map: a folder that echogrid wrote, or a ROS map by its YAML file.
-pub fn open_map(path: &Path) -> Result<Map> {
+/// Opens a map: a folder that echogrid wrote, or a ROS map by its YAML file. What a ROS map says that isn't followed goes
+/// to `note`.
+pub fn open_map_noting(path: &Path, note: &mut dyn FnMut(String)) -> Result<Map> {
     let kind = path.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
     match kind.as_deref() {
         _ if path.is_dir() => Ok(read_map(path)?.map),
-        Some("yaml" | "yml") => read_ros(path),
+        Some("yaml" | "yml") => {
+            let RosMap { map, notes } = RosMap::open(path)?;
+            notes.into_iter().for_each(note);
+            Ok(map)
+        }
         _ if !path.exists() => Err(Error::input(path, "there is no such map: give a folder or a ROS map's .yaml file")),
         _ => Err(Error::input(path, "it is no map: give a folder that echogrid map wrote, or a ROS map's .yaml file")),
     }
+}
+
+/// The same, without what there is to note.
+pub fn open_map(path: &Path) -> Result<Map> {
+    open_map_noting(path, &mut |_| {})
 }
 
 /// How far is seen in a world, metres: as given, else the farthest range of its sonars, or where it has none, of its

@@ -1,7 +1,7 @@
 //! A sensor as far as somebody has described it: every field may be missing. Descriptions are laid over each other (preset,
 //! log's header, sensor file, `--set`) and then completed to a [`Sensor`] with the defaults of its kind.
 
-use super::{AtMax, Kind, Sensor, angle, length};
+use super::{AtMax, Kind, Sensor, angle, length, similar};
 use serde::{Deserialize, Deserializer, de};
 use std::fmt;
 
@@ -300,19 +300,5 @@ impl<'de> Deserialize<'de> for SensorKey {
             Some(key) => Ok(SensorKey(key)),
             None => Err(de::Error::custom(format!("unknown key {name:?}{}", similar(&name, &KEYS)))),
         }
-    }
-}
-
-/// The known name that is nearest to what was written, if any is near.
-pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let near = |k: &&&str| strsim::jaro_winkler(&name.to_lowercase(), k);
-    known.iter().filter(|k| near(k) > 0.7).max_by(|a, b| near(a).total_cmp(&near(b))).copied()
-}
-
-/// "; did you mean …?" or the list of what there is.
-pub(crate) fn similar(name: &str, known: &[&str]) -> String {
-    match nearest(name, known) {
-        Some(near) => format!("; did you mean {near:?}?"),
-        None => format!("; known are {}", known.join(", ")),
     }
 }

@@ -25,6 +25,7 @@ impl Session {
             all.push((name.into(), if one { first.to_string() } else { values.join(" ") }));
         }
         all.push(("mounts".into(), self.log.mounts().into()));
+        all.extend(self.log.mapping().iter().map(|(name, text)| (name.to_string(), text.clone())));
         all.extend(self.method.settings().values().into_iter().map(|(k, v)| (k.to_string(), v)));
         all
     }

@@ -5,6 +5,15 @@ use crate::reading::Reading;
 use crate::sensor::Sensor;
 use std::f64::consts::FRAC_PI_2;
 
+/// How far around a beam a method updates cells, beyond its cone.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Spread {
+    /// Metres, in every direction.
+    pub beside: f64,
+    /// Radians off the axis, up to the beam's range.
+    pub half_width: f64,
+}
+
 /// A box that grows with what it is shown: x0, y0, x1, y1, metres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Covered([f64; 4]);
@@ -20,11 +29,12 @@ impl Covered {
         self.0
     }
 
-    /// Grows to a reading's cone, up to R + ε; a narrow beam is at least a cell wide to either side of its axis.
-    pub fn add(&mut self, reading: &Reading, sensor: &Sensor, resolution: f64) {
-        let (pose, beta) = (reading.record.pose, sensor.half_width);
+    /// Grows to a reading's cone, up to R + ε; a narrow beam is at least a cell wide to either side of its axis. `spread`: what the
+    /// method adds to it.
+    pub fn add(&mut self, reading: &Reading, sensor: &Sensor, resolution: f64, spread: Spread) {
+        let (pose, beta) = (reading.record.pose, sensor.half_width.max(spread.half_width));
         let reach = reading.range + sensor.epsilon(resolution);
-        let beside = if sensor.narrow() { resolution } else { 0.0 };
+        let beside = spread.beside.max(if sensor.narrow() { resolution } else { 0.0 });
         let most = reach.max(0.0) + beside;
         if self.holds([pose.x - most, pose.y - most, pose.x + most, pose.y + most]) {
             return;

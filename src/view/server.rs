@@ -112,15 +112,15 @@ impl Drop for Server {
     }
 }
 
-/// Serves a view until Ctrl-C; `started` hears when it listens.
+/// Serves a view until Ctrl-C; `started` hears when it listens, and its error ends it.
 ///
 /// # Errors
-/// As [`Server::open`].
-pub fn serve(view: Arc<dyn View>, options: &Options, started: &dyn Fn(&Server)) -> Result<()> {
+/// As [`Server::open`], and those of `started`.
+pub fn serve(view: Arc<dyn View>, options: &Options, started: &dyn Fn(&Server) -> Result<()>) -> Result<()> {
     let server = Server::open(view, options)?;
     if let Some(runtime) = &server.runtime {
         let interrupted = runtime.spawn(tokio::signal::ctrl_c());
-        started(&server);
+        started(&server)?;
         let heard = runtime.block_on(interrupted).map_err(|e| e.to_string());
         heard
             .and_then(|r| r.map_err(|e| e.to_string()))

@@ -5,6 +5,7 @@ use crate::grid::GridSpec;
 use crate::kernels::Backend;
 use crate::memory::{self, show};
 use crate::output::MapWriter;
+use crate::output::names::{FOUND, FOUND_PARTIAL};
 use crate::reading::Counts;
 use crate::session::Session;
 use crate::{Error, Result};
@@ -27,7 +28,8 @@ pub struct Plan {
     pub disk: u64,
 }
 
-/// Hears of a stage and how many readings it goes over; what it gives hears of readings as they are done.
+/// Hears of a stage, by a word for people (`sorting`, `weighing`, [`MAPPING`]), and how many readings it goes over, each as often as
+/// it is taken; what it gives hears of readings as they are done.
 pub type Progress<'a> = &'a dyn Fn(&'static str, u64) -> Box<dyn Fn(u64)>;
 
 /// Memory that a run leaves alone where no cap is given, as a share: others want some too.
@@ -94,8 +96,8 @@ pub struct Done {
     pub busy: Vec<(String, f64)>,
 }
 
-/// What the rounds before the last have found, kept in the map's partial folder.
-const FOUND: &str = "found.bin";
+/// The last stage's name: its chunks are written as they are finished.
+pub const MAPPING: &str = "mapping";
 
 /// Maps a log into an open map. Spilled readings and what a resumed run needs lie in `folder`.
 ///
@@ -115,11 +117,11 @@ pub fn map(
         clock = Instant::now();
     };
     let used = session.survey.counts.used;
-    let mut run = Run::begin(session, plan.batch, folder, plan.bins, &*progress("bin", used))?;
+    let mut run = Run::begin(session, plan.batch, folder, plan.bins, &*progress("sorting", used))?;
     lap("bin");
     let rounds = session.method.rounds().unwrap_or_default();
     let binned: u64 = run.places().iter().map(|p| p.1).sum();
-    let found = folder.join(FOUND);
+    let found = FOUND.at(folder);
     if let [before @ .., _] = rounds
         && !before.is_empty()
     {
@@ -127,8 +129,8 @@ pub fn map(
             Some(words) => *run.found() = words,
             None => {
                 let traversals = before.iter().map(|r| r.len() as u64).sum::<u64>();
-                run.gather(backend, &*progress("gather", binned * traversals))?;
-                keep(&found, run.found())?;
+                run.gather(backend, &*progress("weighing", binned * traversals))?;
+                keep(folder, run.found())?;
             }
         }
         lap("gather");
@@ -136,7 +138,7 @@ pub fn map(
     let done = writer.done();
     let rest = run.places().iter().filter(|p| !done.contains(&p.0)).map(|p| p.1).sum::<u64>();
     let traversals = rounds.last().map_or(1, |r| r.len() as u64);
-    let bar = progress("map", rest * traversals);
+    let bar = progress(MAPPING, rest * traversals);
     run.finish(backend, &done, &*bar, &mut |chunk| {
         let crate::mapper::Finished { map, combined, .. } = &chunk.finished;
         writer.chunk(chunk.place, map, combined)
@@ -151,13 +153,13 @@ pub fn map(
 }
 
 /// Keeps what was found, with a checksum, whole or not at all.
-fn keep(path: &Path, found: &[u32]) -> Result<()> {
+fn keep(folder: &Path, found: &[u32]) -> Result<()> {
+    let [path, partial] = [FOUND, FOUND_PARTIAL].map(|name| name.at(folder));
     let full =
         |e: std::io::Error| Error::Resources(format!("{} can't be written: {e}; free space there", path.display()));
     let bytes: &[u8] = bytemuck::cast_slice(found);
-    let partial = path.with_extension("partial");
     std::fs::write(&partial, [&Sha256::digest(bytes)[..], bytes].concat()).map_err(full)?;
-    std::fs::rename(&partial, path).map_err(full)
+    std::fs::rename(&partial, &path).map_err(full)
 }
 
 /// What an earlier run found for so many readings, if it is whole.

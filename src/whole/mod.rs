@@ -11,7 +11,7 @@ mod rounds;
 mod scanned;
 
 pub use bins::{Bins, Place};
-pub use map::{Done, Plan, Progress, map};
+pub use map::{Done, MAPPING, Plan, Progress, map};
 pub use rounds::{Chunk, Run};
 pub use scanned::Scanned;
 

@@ -15,12 +15,15 @@ mod file;
 mod image;
 mod index;
 mod path;
+mod shipped;
 mod simulate;
 mod text;
 
 pub use echo::Physics;
 pub use path::Stop;
 pub use rig::{RIGS, Rig};
+pub(crate) use shipped::meant;
+pub use shipped::{SHIPPED, Shipped};
 pub use simulate::{Simulated, scan, simulate};
 pub use truth::true_map;
 
@@ -54,7 +57,7 @@ impl World {
     /// # Errors
     /// [`Error::Input`] with the line and a remedy.
     pub fn open(path: &Path) -> Result<World> {
-        let example = "give a world's TOML file, such as worlds/room.toml";
+        let example = "give a world's TOML file, or the name of a built-in world, such as room";
         let bytes = std::fs::read(path).map_err(|e| Error::input(path, format!("can't be read: {e}; {example}")))?;
         let text = String::from_utf8(bytes).map_err(|e| {
             let (good, _) = e.as_bytes().split_at(e.utf8_error().valid_up_to());

@@ -5,8 +5,11 @@ use std::io::Write;
 
 const KNOWN: &str = "Known are: a sonar_ring_8 folder (sonar.txt or measurement.txt or laser.txt, with od.txt or \
                      poses.txt); echogrid's JSON Lines (first line {\"echogrid_log\":1,\"sensors\":[…]}); echogrid's CSV \
-                     (a row of names: t,scan,sensor,px,py,ph,z); a CARMEN text log (FLASER, RLASER, ROBOTLASER1 \
-                     or other laser lines), plain or gzip; a MATLAB .mat file (version 5) with robotPose and laserScan";
+                     (a row of names: t,scan,sensor,px,py,ph,z); a ROS topic as CSV (rostopic echo -p, ros2 topic echo \
+                     --csv: LaserScan or Range, with --poses); an ARIA laser log (.2d, LaserOdometryLog); a Player log \
+                     (writelog: time host robot interface index …); a robotdata log of CMU's course 16-833 (L and O lines, \
+                     centimetres); a CARMEN text log (FLASER, RLASER, ROBOTLASER1 or other laser lines), plain or gzip; a MATLAB .mat \
+                     file (version 5 to 7) of poses and scans; an Octave text file (save -text) of poses and scans";
 
 fn gz(text: &str) -> Vec<u8> {
     let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
@@ -32,7 +35,7 @@ fn no_log() {
     refused(&place, "empty.log", 3, "echogrid: empty.log: is empty");
     refused(&place, "empty.gz", 3, "echogrid: empty.gz: is empty once unpacked");
     refused(&place, "-", 3, "echogrid: <stdin>: is empty");
-    refused(&place, "folder", 3, &format!("echogrid: folder: no log in this folder. {KNOWN}"));
+    refused(&place, "folder", 3, &format!("echogrid: folder: no log in this folder: it holds no file. {KNOWN}"));
 }
 
 #[test]
@@ -42,7 +45,9 @@ fn noise_and_prose() {
     place.write("noise.log", noise);
     place.write("prose.log", "Dear diary,\n");
     refused(&place, "noise.log", 3, &format!("echogrid: noise.log: is binary, not a log. {KNOWN}"));
-    refused(&place, "prose.log", 3, &format!("echogrid: prose.log: is of no known format. {KNOWN}"));
+    let what = "is of no known format; line 1 is 'Dear diary,'. A table is read with its columns named, --columns \
+                t,x,y,heading,range (docs/formats.md)";
+    refused(&place, "prose.log", 3, &format!("echogrid: prose.log: {what}. {KNOWN}"));
 }
 
 #[test]
@@ -110,7 +115,16 @@ fn a_log_whose_readings_are_all_rejected() {
 fn readings_that_are_no_ranges_are_counted_and_the_map_is_whole() {
     let place = Place::new();
     let ran = place.map("out", &[]);
-    assert_eq!(ran.out.lines().next(), Some("4 of 8 readings of 4 scans, 2 without echo, 4 rejected"));
+    let said: Vec<&str> = ran.out.lines().take(6).collect();
+    let why = [
+        "4 of 8 readings mapped, from 4 scans",
+        "  2 without echo (each frees up to no_echo_range, 1 m)",
+        "  1 beyond hit_range (3 m): echoes from so far are not trusted; --set hit_range=4 takes all",
+        "  1 nearer than r_min (20 cm)",
+        "  1 not a number",
+        "  1 negative",
+    ];
+    assert_eq!(said, why);
     let rejected = &place.report("out")["readings"]["rejected"];
     for reason in ["below_r_min", "not_a_number", "negative", "beyond_hit_range"] {
         assert_eq!(rejected[reason], 1, "{reason}");
@@ -197,15 +211,15 @@ fn a_pose_that_jumps_is_named_where_it_makes_the_grid_too_large() {
         "jump.jsonl",
         3,
         "echogrid: jump.jsonl:3: the robot's pose jumps 1272792 m, to (900000, 900000); if that is wrong, give --bounds. \
-         a grid of 18000042 × 18000042 cells of 0.05 m, starting 21 cells from its anchor, is more than 16777216 cells an \
+         a grid of 18000021 × 18000012 cells of 0.05 m, starting 6 cells from its anchor, is more than 16777216 cells an \
          axis: give --bounds nearer the robot or a coarser --resolution",
     );
     // Within the integers, but not within memory.
     let far = "{\"scan\":1,\"px\":5e5,\"py\":5e5,\"ph\":0,\"z\":1}\n";
     place.write("jump.jsonl", format!("{HEADER}{}{far}{}", line("0", "1"), line("0", "1")));
     for (command, what) in [
-        (&["map", "jump.jsonl", "-o", "out"][..], "the files of a map of 10000042 × 10000042 cells of 0.05 m take "),
-        (&["verify", "jump.jsonl"], "a map of 10000042 × 10000042 cells of 0.05 m needs "),
+        (&["map", "jump.jsonl", "-o", "out"][..], "the files of a map of 10000021 × 10000012 cells of 0.05 m take "),
+        (&["verify", "jump.jsonl"], "a map of 10000021 × 10000012 cells of 0.05 m needs "),
     ] {
         let ran = place.run(command);
         assert_eq!(ran.code, 3);
@@ -220,7 +234,7 @@ fn a_pose_that_jumps_is_named_where_it_makes_the_grid_too_large() {
     for resolution in ["0.05", "1mm"] {
         let bounds = ["--bounds", "-1,-1,3,1", "--resolution", resolution];
         let ran = place.does(&[&["map", "jump.jsonl", "-o", "out", "--backend", "cpu"], &bounds[..]].concat());
-        assert!(ran.out.starts_with("3 of 3 readings of 3 scans, 1 outside the grid"), "{}", ran.out);
+        assert!(ran.out.starts_with("3 of 3 readings mapped, from 3 scans\n  1 outside --bounds\n"), "{}", ran.out);
         let ran = place.does(&[&["verify", "jump.jsonl", "--json"], &bounds[..]].concat());
         assert!(ran.json()["backends"].as_array().unwrap().iter().all(|b| b["counts"] == 0), "{ran:?}");
     }

@@ -3,7 +3,7 @@
 use crate::common::Place;
 
 const BAYES: &str = "model, max_occ, region_one_floor, region_two_floor, p_hit, p_miss, p_occupied, p_empty, beta, r_min, \
-                     r_max, hit_range, no_echo_range, epsilon, mounts";
+                     r_max, at_r_max, hit_range, no_echo_range, epsilon, mounts";
 
 #[track_caller]
 fn refused(more: &[&str], message: &str) {
@@ -33,6 +33,8 @@ fn methods() {
         &["-m", "demster"],
         &format!("there is no method \"demster\"; did you mean \"dempster-shafer\"? {there_are}"),
     );
+    refused(&["-m", "elfes"], &format!("there is no method \"elfes\"; did you mean \"certainty\"? {there_are}"));
+    refused(&["-m", "log-odds"], &format!("there is no method \"log-odds\"; did you mean \"bayes\"? {there_are}"));
     refused(&["-m", "xyz"], &format!("there is no method \"xyz\"; {there_are}"));
     let place = Place::new();
     place.refuses(
@@ -47,6 +49,10 @@ fn parameters() {
     refused(
         &["--set", "bta=1"],
         &format!("--set bta=1: bayes has no parameter \"bta\"; did you mean \"beta\"? there are {BAYES}"),
+    );
+    refused(
+        &["--set", "max_range=3"],
+        &format!("--set max_range=3: bayes has no parameter \"max_range\"; did you mean \"r_max\"? there are {BAYES}"),
     );
     refused(
         &["--set", "rho=1/n"],

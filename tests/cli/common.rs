@@ -1,9 +1,14 @@
 //! A folder to run the command in, and what came of a run.
 
+#[path = "../data/mod.rs"]
+mod data;
+
 use assert_cmd::Command;
+#[allow(unused_imports, reason = "not all that share this file need a real log")]
+pub use data::data;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A log of one sonar: two hits, two missing echoes, one reading rejected for each reason.
 pub const SMALL: &str = r#"{"echogrid_log":1,"sensors":[{"id":"front","r_min":0.2,"r_max":4,"hit_range":3,"no_echo_range":1}]}
@@ -156,18 +161,4 @@ pub fn keys(value: &Value) -> Vec<&str> {
     let mut keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
     keys.sort_unstable();
     keys
-}
-
-/// The path of a real log; `None`, loudly, where it is absent.
-pub fn data(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("ECHOGRID_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
-    let path = folder.join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    // Straight to the stream: the harness would swallow a print of a test that passes.
-    let text = format!("SKIPPED: no {} (set ECHOGRID_DATA to the folder of real logs)\n", path.display());
-    let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
-    None
 }

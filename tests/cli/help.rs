@@ -5,20 +5,49 @@ use echogrid::method::REGISTRY;
 use echogrid::method::settings::Settings;
 use echogrid::sensor::OVERRIDE_KEYS;
 
-const LOG: [&str; 9] =
-    ["--method", "--resolution", "--bounds", "--sensor", "--sensor-file", "--set", "--until", "--strict", "--batch"];
+const LOG: [&str; 13] = [
+    "--method",
+    "--resolution",
+    "--bounds",
+    "--sensor",
+    "--sensor-file",
+    "--columns",
+    "--fields",
+    "--poses",
+    "--pose-columns",
+    "--set",
+    "--until",
+    "--strict",
+    "--batch",
+];
 
 /// Every subcommand and its options, but `--help`.
 fn options() -> Vec<(&'static str, Vec<&'static str>)> {
     let log = |more: &[&'static str]| [&LOG[..], &["--threads"], more].concat();
     vec![
-        ("map", log(&["--output", "--backend", "--memory", "--resume", "--working", "--npy", "--json", "--quiet"])),
+        (
+            "map",
+            log(&[
+                "--output",
+                "--backend",
+                "--memory",
+                "--resume",
+                "--overwrite",
+                "--working",
+                "--npy",
+                "--json",
+                "--quiet",
+            ]),
+        ),
         ("verify", log(&["--backends", "--pictures", "--memory", "--json", "--quiet"])),
-        ("simulate", vec!["--output", "--seed", "--rig", "--scans", "--bounces", "--no-specular", "--threads"]),
+        (
+            "simulate",
+            vec!["--output", "--list", "--seed", "--rig", "--scans", "--bounces", "--no-specular", "--threads"],
+        ),
         ("truth", vec!["--output", "--resolution", "--bounds", "--r-max", "--quiet"]),
         ("view", log(&["--with", "--truth", "--bind", "--port", "--memory"])),
         ("score", vec!["--truth", "--require", "--tolerance", "--decide", "--output", "--json"]),
-        ("plan", log(&["--memory", "--json"])),
+        ("plan", log(&["--backend", "--memory", "--json"])),
         ("check", vec!["--json"]),
         ("compare", vec!["--tol", "--common", "--pictures", "--json"]),
         ("doctor", vec!["--json"]),
@@ -59,8 +88,16 @@ fn every_subcommand_explains_its_options() {
         assert!(overview.lines().any(|l| l.trim_start().starts_with(&format!("{command} "))), "{command}: {overview}");
     }
     let overview = overview.split_whitespace().collect::<Vec<_>>().join(" ");
-    for code in ["0 done", "1 differs", "2 bad usage", "3 bad input", "4 no adapter", "5 out of memory", "6 done, but"]
-    {
+    for code in [
+        "0 done",
+        "1 differs",
+        "2 bad usage",
+        "3 bad input",
+        "4 no adapter",
+        "5 out of memory",
+        "6 done, but",
+        "130 ended by Ctrl-C",
+    ] {
         assert!(overview.contains(code), "{code}: {overview}");
     }
     assert_eq!(place.does(&["--version"]).out, format!("echogrid {}\n", env!("CARGO_PKG_VERSION")));
@@ -92,6 +129,65 @@ fn completions_for_the_shells() {
         assert!(text.contains(mark), "{shell}");
         assert!(text.contains("sensor-file"), "{shell} knows the options");
     }
+}
+
+/// What bash offers for a command line whose last word is being written.
+#[cfg(unix)]
+fn offered(script: &std::path::Path, line: &[&str]) -> Vec<String> {
+    let (last, before) = (line.len() - 1, line.len() - 2);
+    let words: Vec<String> = line.iter().map(|w| format!("'{w}'")).collect();
+    // `compopt` works in a completion only.
+    let text = format!(
+        "source {}; compopt() {{ :; }}; COMP_WORDS=({}); COMP_CWORD={last}; _echogrid echogrid '{}' '{}'; printf '%s\\n' \
+         \"${{COMPREPLY[@]}}\"",
+        script.display(),
+        words.join(" "),
+        line[last],
+        line[before]
+    );
+    let ran = std::process::Command::new("bash").args(["--norc", "-c", &text]).output().unwrap();
+    assert!(ran.stderr.is_empty(), "{line:?}: {}", String::from_utf8_lossy(&ran.stderr));
+    String::from_utf8(ran.stdout).unwrap().split_whitespace().map(String::from).collect()
+}
+
+#[test]
+#[cfg(unix)]
+fn bash_completes_methods_keys_and_files() {
+    if std::process::Command::new("bash").arg("--version").output().is_err() {
+        let _ = std::io::Write::write_all(&mut std::io::stderr(), b"SKIPPED: there is no bash to complete in\n");
+        return;
+    }
+    let place = Place::new();
+    place.write("completions", place.does(&["completions", "bash"]).out);
+    let script = place.path("completions");
+    let offered = |line: &[&str]| offered(&script, line);
+    let methods: Vec<&str> = REGISTRY.iter().map(|e| e.name).collect();
+    for command in ["map", "verify", "plan", "view"] {
+        assert_eq!(offered(&["echogrid", command, "a.log", "--method", ""]), methods, "{command}");
+    }
+    assert_eq!(offered(&["echogrid", "view", "a.log", "--beside", "csm-d"]), ["csm-discrete"]);
+    assert_eq!(offered(&["echogrid", "bench", "-m", "baye"]), ["bayes"]);
+    assert_eq!(offered(&["echogrid", "plan", "a.log", "--backend", ""]), ["auto", "gpu", "cpu", "oracle"]);
+    let keys = offered(&["echogrid", "map", "a.log", "--set", ""]);
+    for entry in REGISTRY {
+        for key in Settings::of(entry.name).unwrap().keys().iter().chain(OVERRIDE_KEYS) {
+            assert!(keys.iter().any(|k| k.starts_with(&format!("{}=", key.name))), "{}: {keys:?}", key.name);
+        }
+    }
+    assert_eq!(offered(&["echogrid", "map", "a.log", "-s", "order="]), ["order=batch", "order=sequential"]);
+    assert_eq!(offered(&["echogrid", "map", "a.log", "-s", "r_m"]), ["r_max=", "r_min="]);
+    assert_eq!(offered(&["echogrid", "simulate", "w.toml", "--rig", "ring"]), ["ring8", "ring24"]);
+    // What takes a file, or a folder, is left to bash's own completion of files.
+    for option in ["--output", "--sensor-file", "--classes"] {
+        let found = offered(&["echogrid", "map", "a.log", option, "no_such_name"]);
+        assert!(found.is_empty(), "{option}: {found:?}");
+    }
+    let fish = place.does(&["completions", "fish"]).out;
+    let zsh = place.does(&["completions", "zsh"]).out;
+    for name in methods {
+        assert!(fish.contains(name) && zsh.contains(name), "{name}");
+    }
+    assert!(zsh.contains(":_files") && zsh.contains("_files -/"), "files, and folders");
 }
 
 #[test]

@@ -19,6 +19,7 @@ fn the_report_holds_all_that_the_documentation_lists() {
         "bad_lines",
         "busy",
         "cells",
+        "files",
         "layers",
         "log",
         "method",
@@ -46,16 +47,17 @@ fn the_report_holds_all_that_the_documentation_lists() {
     assert_eq!(
         report["sensors"],
         json!([{"id": "front", "kind": "sonar", "x": 0.0, "y": 0.0, "axis": 0.0, "half_width": 0.261799388, "r_min": 0.2,
-            "r_max": 4.0, "hit_range": 3.0, "no_echo_range": 1.0, "epsilon": 0.05}])
+            "r_max": 4.0, "at_r_max": "no_echo", "hit_range": 3.0, "no_echo_range": 1.0, "epsilon": 0.05}])
     );
-    // Every used sensor ± (R + 5 cm): x from 0 − 1.55 to 0.5 + 2.05, y ± 2.05.
+    // Every used cone up to R + 5 cm: from the first sensor, and the first's right edge, −1.55 sin 15°, to the second's right
+    // edge, 0.5 + 2.05 cos 13.6°, and its left one, 2.05 sin 43.6°.
     let cells = &report["cells"];
     assert_eq!(keys(cells), ["empty", "height", "occupied", "resolution", "touched", "unknown", "width", "x0", "y0"]);
     let near = |value: &Value, wanted: f64| (value.as_f64().unwrap() - wanted).abs() < 1e-9;
-    assert!(near(&cells["x0"], -1.55) && near(&cells["y0"], -2.05), "{cells}");
-    assert_eq!((&cells["width"], &cells["height"], &cells["resolution"]), (&json!(82), &json!(82), &json!(0.05)));
+    assert!(near(&cells["x0"], 0.0) && near(&cells["y0"], -0.45), "{cells}");
+    assert_eq!((&cells["width"], &cells["height"], &cells["resolution"]), (&json!(50), &json!(38), &json!(0.05)));
     let count = |name: &str| cells[name].as_u64().unwrap();
-    assert_eq!(count("occupied") + count("empty") + count("unknown"), 82 * 82);
+    assert_eq!(count("occupied") + count("empty") + count("unknown"), 50 * 38);
     assert!(count("touched") > 0 && count("touched") < report["updates"].as_u64().unwrap());
     assert_eq!(report["layers"]["touched"]["sum"], count("touched") as f64);
     assert_eq!(report["layers"]["class"]["sum"], count("occupied") as f64 - count("empty") as f64);
@@ -118,12 +120,12 @@ fn what_is_printed() {
     let place = Place::new();
     let ran = place.map("out", &[]);
     let lines: Vec<&str> = ran.out.lines().collect();
-    assert_eq!(lines.len(), 4, "{lines:#?}");
-    assert_eq!(lines[0], "4 of 8 readings of 4 scans, 2 without echo, 4 rejected");
-    let start = "bayes: 82 × 82 cells of 0.05 m from (-1.55, -2.05) m; ";
-    assert!(lines[1].starts_with(start) && lines[1].ends_with(" cell updates"), "{}", lines[1]);
-    assert!(lines[2].starts_with("cpu (") && lines[2].ends_with(" s"), "{}", lines[2]);
-    assert_eq!(lines[3], "HERE/out/map.png");
+    assert_eq!(lines.len(), 10, "{lines:#?}");
+    assert_eq!(lines[0], "4 of 8 readings mapped, from 4 scans");
+    assert_eq!(lines[6], "bayes: 50 × 38 cells of 5 cm, x 0.00 to 2.50 m, y -0.45 to 1.45 m");
+    assert_eq!(lines[7], "643 cells seen: 25 occupied, 329 empty, 289 undecided; 881 cell updates");
+    assert!(lines[8].starts_with("cpu (") && lines[8].ends_with(" s"), "{}", lines[8]);
+    assert_eq!(lines[9], "HERE/out/map.png");
     let ran = place.map("out", &["--quiet"]);
     assert_eq!((ran.out.as_str(), ran.err.as_str()), ("", ""));
 }
@@ -151,6 +153,10 @@ fn the_folder() {
     more.extend(["working-2.json", "working-2.png"].map(str::to_string));
     more.sort();
     assert_eq!(place.names("out"), more);
+    // The report lists them, but for the store and what was written after it.
+    let listed = place.report("out")["files"].clone();
+    more.retain(|name| name != "map.zarr" && !name.starts_with("working-"));
+    assert_eq!(listed, json!(more));
     let working: Value = serde_json::from_slice(&std::fs::read(place.path("out/working-2.json")).unwrap()).unwrap();
     assert_eq!((&working["reading"]["line"], &working["reading"]["range"]), (&json!(3), &json!(2.0)));
     assert_eq!(working["method"], "bayes");
@@ -186,7 +192,7 @@ fn bounds_may_be_negative_and_elsewhere() {
         assert_eq!((&cells["x0"], &cells["width"], &cells["height"]), (&json!(-1.0), &json!(40), &json!(40)));
     }
     let ran = place.map("out", &["--bounds", "100,100,101,101", "--quiet"]);
-    assert_eq!(ran.err, "echogrid: no reading reaches these --bounds: the log covers -1.55,-2.05,2.55,2.05\n");
+    assert_eq!(ran.err, "echogrid: no reading reaches these --bounds: the log covers 0.00,-0.40,2.49,1.41\n");
     let report = place.report("out");
     assert_eq!((&report["readings"]["outside"], &report["cells"]["touched"]), (&json!(4), &json!(0)));
 }

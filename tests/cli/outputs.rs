@@ -13,7 +13,7 @@ fn more_memory_than_allowed_or_there_is() {
     };
     let small = need(
         &["map", "log.jsonl", "-o", "out", "--memory", "1MB"],
-        "echogrid: a map of 82 × 82 cells of 0.05 m needs ",
+        "echogrid: a map of 50 × 38 cells of 0.05 m needs ",
         " MiB, but --memory allows 977 KiB: give smaller --bounds or a coarser --resolution\n",
     );
     // Three chunks of 1024 × 1024 cells on their way and a spare one, of five words a cell each; and not a whole batch where
@@ -104,6 +104,150 @@ fn a_folder_with_something_else_in_it() {
          another folder with -o",
     );
     assert_eq!(place.names("out.partial"), ["mine"]);
+}
+
+#[test]
+fn what_is_the_user_s_in_a_map_s_folder_is_kept() {
+    let place = Place::new();
+    place.map("out", &["--npy", "--working", "1"]);
+    let kept = |what: &str, named: &str| {
+        let before = place.files("out");
+        for more in [&[][..], &["--method", "himm"], &["--overwrite"]] {
+            place.refuses(
+                &[&["map", "log.jsonl", "-o", "out"], more].concat(),
+                5,
+                &format!(
+                    "echogrid: HERE/out can't be the output: beside the files of a map it holds {named}; move what is yours out \
+                     of it, or give another folder with -o"
+                ),
+            );
+        }
+        assert!(place.files("out") == before, "{what}");
+    };
+    for (file, named) in [
+        ("notes.txt", "notes.txt"),
+        (".notes", ".notes"),
+        ("survey.png", "survey.png"),
+        ("p_occ.npy.bak", "p_occ.npy.bak"),
+        ("working-notes.json", "working-notes.json"),
+        ("score/score.html", "score/"),
+        ("class/class.png", "class/"),
+        ("map.zarr/notes.txt", "map.zarr/notes.txt"),
+        ("map.zarr/p_occ/c/0/notes.txt", "map.zarr/p_occ/c/0/notes.txt"),
+        ("map.zarr/mine/zarr.json", "map.zarr/mine/"),
+        ("report.json.bak", "report.json.bak"),
+    ] {
+        let path = place.path(&format!("out/{file}"));
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, "mine").unwrap();
+        kept(file, named);
+        match named.strip_suffix('/') {
+            Some(folder) => std::fs::remove_dir_all(place.path(&format!("out/{folder}"))).unwrap(),
+            None => std::fs::remove_file(&path).unwrap(),
+        }
+    }
+    std::fs::create_dir(place.path("out/empty")).unwrap();
+    kept("an empty folder", "empty/");
+    std::fs::remove_dir(place.path("out/empty")).unwrap();
+    for k in 0..5 {
+        place.write(&format!("out/{k}.txt"), "");
+    }
+    kept("many", "0.txt, 1.txt, 2.txt and 2 more");
+    for k in 0..5 {
+        std::fs::remove_file(place.path(&format!("out/{k}.txt"))).unwrap();
+    }
+    #[cfg(unix)]
+    for link in ["link", "working-2.png", "map.zarr/x/c/1"] {
+        std::os::unix::fs::symlink(place.path("log.jsonl"), place.path(&format!("out/{link}"))).unwrap();
+        kept("a link", link);
+        std::fs::remove_file(place.path(&format!("out/{link}"))).unwrap();
+    }
+    // A name of the program's that this map hasn't is the user's, too.
+    place.map("out", &["--quiet"]);
+    place.write("out/class.npy", "mine");
+    kept("an array", "class.npy");
+    std::fs::remove_file(place.path("out/class.npy")).unwrap();
+    place.write("out/features.geojson", "mine");
+    kept("features", "features.geojson");
+}
+
+#[test]
+fn every_method_s_map_is_replaced_whatever_was_written() {
+    let place = Place::new();
+    // The semantic methods need labels.
+    let labelled = SMALL.replacen("\"sensors\"", "\"classes\":[\"wall\"],\"sensors\"", 1);
+    place.write("log.jsonl", labelled.replacen("\"z\":1.5", "\"z\":1.5,\"label\":1", 1));
+    for entry in echogrid::method::REGISTRY.iter().filter(|e| e.name != "truth") {
+        let working = ["certainty", "bayes", "dempster-shafer", "himm"].contains(&entry.name);
+        let more = if working { &["--npy", "--working", "1"][..] } else { &["--npy"] };
+        place.map("out", &[&["--method", entry.name, "--quiet"], more].concat());
+        assert_eq!(place.report("out")["method"], entry.name);
+    }
+    // A map of a version that listed no files.
+    let text = std::fs::read_to_string(place.path("out/report.json")).unwrap();
+    let mut report: serde_json::Value = serde_json::from_str(&text).unwrap();
+    report.as_object_mut().unwrap().remove("files").unwrap();
+    place.write("out/report.json", report.to_string());
+    place.write("out/notes.txt", "mine");
+    assert_eq!(place.run(&["map", "log.jsonl", "-o", "out"]).code, 5);
+    std::fs::remove_file(place.path("out/notes.txt")).unwrap();
+    place.map("out", &["--quiet"]);
+    assert_eq!(place.names(""), ["log.jsonl", "out", "run"]);
+}
+
+#[test]
+fn other_commands_leave_what_is_not_theirs() {
+    let place = Place::new();
+    place.write("world.toml", include_str!("../../worlds/bend.toml"));
+    // A true map's folder is a map's.
+    place.does(&["truth", "world.toml", "-o", "true", "--quiet"]);
+    place.write("true/notes.txt", "mine");
+    let ran = place.run(&["truth", "world.toml", "-o", "true"]);
+    assert!(ran.code == 5 && ran.err.contains("it holds notes.txt; move"), "{ran:?}");
+    std::fs::remove_file(place.path("true/notes.txt")).unwrap();
+    place.does(&["truth", "world.toml", "-o", "true", "--quiet"]);
+    // A log replaces a log.
+    let simulate = |to: &str| place.run(&["simulate", "world.toml", "-o", to, "--scans", "2", "--quiet"]);
+    place.write("notes.txt", "mine");
+    for file in ["notes.txt", "world.toml"] {
+        let before = std::fs::read(place.path(file)).unwrap();
+        let ran = simulate(file);
+        assert!(ran.code == 5 && ran.err.contains("it is no log of echogrid's, so it is left as it is"), "{ran:?}");
+        assert_eq!(std::fs::read(place.path(file)).unwrap(), before);
+    }
+    assert_eq!((simulate("new.jsonl").code, simulate("new.jsonl").code), (0, 0));
+    // A score replaces a score.
+    place.map("out", &["--quiet"]);
+    let score = || place.run(&["score", "out", "--truth", "true", "-o", "score"]);
+    std::fs::create_dir(place.path("score")).unwrap();
+    place.write("score/score.html", "mine");
+    let ran = score();
+    assert_eq!(
+        (ran.code, ran.err.as_str(), ran.out.as_str()),
+        (5, "echogrid: score holds score.html, which isn't an earlier score's: give another folder with -o\n", "")
+    );
+    assert_eq!(std::fs::read_to_string(place.path("score/score.html")).unwrap(), "mine");
+    std::fs::rename(place.path("score/score.html"), place.path("score/mine.html")).unwrap();
+    assert_eq!((score().code, score().code), (0, 0));
+    // Pictures replace pictures.
+    place.map("other", &["--quiet", "--until", "2", "--bounds=-1,-1,2,1"]);
+    place.map("whole", &["--quiet", "--bounds=-1,-1,2,1"]);
+    let compare = || place.run(&["compare", "other", "whole", "--pictures", "pictures"]);
+    std::fs::create_dir(place.path("pictures")).unwrap();
+    place.write("pictures/class.a.png", "mine");
+    let ran = compare();
+    assert!(ran.code == 5 && ran.err.contains("pictures/class.a.png is there and is no picture"), "{ran:?}");
+    assert_eq!(std::fs::read_to_string(place.path("pictures/class.a.png")).unwrap(), "mine");
+    std::fs::remove_file(place.path("pictures/class.a.png")).unwrap();
+    assert_eq!((compare().code, compare().code), (1, 1));
+    // A demo replaces a demo, not a map that has a method's name.
+    std::fs::create_dir(place.path("maps")).unwrap();
+    place.map("maps/bayes", &["--quiet"]);
+    let before = place.files("maps");
+    let ran = place.run(&["demo", "-o", "maps"]);
+    let what = "echogrid: maps holds bayes, which isn't the demo's: give another folder with -o\n";
+    assert_eq!((ran.code, ran.err.as_str(), ran.out.as_str()), (5, what, ""));
+    assert!(place.files("maps") == before);
 }
 
 #[test]

@@ -48,8 +48,8 @@ fn killed_three_times_it_ends_with_the_same_bytes() {
     assert_eq!(refused.code, 5);
     assert_eq!(
         refused.err,
-        "echogrid: HERE/out.partial can't be the output: it holds an unfinished map; go on with it by --resume, or remove it, \
-         or give another folder with -o\n"
+        "echogrid: HERE/out.partial can't be the output: it holds an unfinished map; go on with it by `echogrid map \
+         --resume`, discard it by `echogrid map --overwrite`, or give another folder with -o\n"
     );
     let fixed = ["map", "campus.jsonl", "-o", "out", "--backend", "cpu", "--resume"];
     for (more, what) in [
@@ -80,6 +80,44 @@ fn killed_three_times_it_ends_with_the_same_bytes() {
     for key in ["cells", "layers", "updates", "readings"] {
         assert_eq!(a[key], b[key], "{key}");
     }
+}
+
+#[test]
+fn an_unfinished_map_is_discarded_where_that_is_asked_for() {
+    let place = Place::new();
+    place.map("out", &["--method", "himm", "--quiet"]);
+    // What a run leaves that was killed after its first chunk.
+    std::fs::create_dir_all(place.path("out.partial/map.zarr/p_occ/c/0")).unwrap();
+    for (file, text) in [
+        (".echogrid-partial", ""),
+        ("run.json", "{\"layers\": [\"p_occ\"]}"),
+        ("progress.jsonl", "[]\n"),
+        ("p_occ.canvas", ""),
+        ("map.zarr/p_occ/c/0/0", ""),
+    ] {
+        place.write(&format!("out.partial/{file}"), text);
+    }
+    for command in [&["map", "log.jsonl", "-o", "out"][..], &["truth", "nosuch.toml", "-o", "out"]] {
+        let ran = place.run(command);
+        assert!(ran.code == 5 || ran.err.contains("nosuch.toml"), "{ran:?}");
+        assert!(place.path("out.partial/progress.jsonl").exists());
+    }
+    let both = place.run(&["map", "log.jsonl", "-o", "out", "--resume", "--overwrite"]);
+    assert!(both.code == 2 && both.err.contains("cannot be used with"), "{both:?}");
+    // Nothing of the user's goes with it.
+    place.write("out.partial/notes.txt", "mine");
+    place.refuses(
+        &["map", "log.jsonl", "-o", "out", "--overwrite"],
+        5,
+        "echogrid: HERE/out.partial can't be the output: a killed run left it, and it holds notes.txt, which is no file of a \
+         map; move what is yours out of it, or give another folder with -o",
+    );
+    assert_eq!(place.files("out.partial").len(), 6);
+    std::fs::remove_file(place.path("out.partial/notes.txt")).unwrap();
+    place.map("out", &["--overwrite", "--quiet"]);
+    assert_eq!(place.report("out")["method"], "bayes");
+    assert_eq!(place.names(""), ["log.jsonl", "out", "run"]);
+    place.map("out", &["--overwrite", "--quiet"]);
 }
 
 #[test]

@@ -18,15 +18,29 @@ fn verify_passes_for_every_method() {
     place.write("both.jsonl", BOTH);
     for entry in REGISTRY {
         let kind = if entry.name == "truth" { "laser" } else { "sonar" };
-        let ran = place.does(&["verify", "both.jsonl", "--method", entry.name, "--sensor", kind, "--json"]);
+        let ran = place.run(&["verify", "both.jsonl", "--method", entry.name, "--sensor", kind, "--json"]);
         let found = ran.json();
         assert_eq!(
             keys(&found),
-            ["backends", "method", "oracle_seconds", "passed", "readings", "same_bytes", "size", "skipped", "updates"]
+            [
+                "absent",
+                "backends",
+                "method",
+                "oracle_seconds",
+                "passed",
+                "readings",
+                "same_bytes",
+                "size",
+                "skipped",
+                "updates"
+            ]
         );
+        // Without any adapter only the oracle and the cpu are compared, and that proves too little.
+        let whole = found["skipped"] == json!([]);
+        assert_eq!(ran.code, if whole { 0 } else { 4 }, "{ran:?}");
         assert_eq!(
             (&found["method"], &found["passed"], &found["readings"]),
-            (&json!(entry.name), &json!(true), &json!(2))
+            (&json!(entry.name), &json!(whole), &json!(2))
         );
         assert!(found["updates"].as_u64().unwrap() > 10, "{found}");
         let backends = found["backends"].as_array().unwrap();
@@ -78,13 +92,13 @@ fn verify_as_a_table() {
     let ran = place.does(&["verify", "log.jsonl", "--backends", "cpu"]);
     let lines: Vec<&str> = ran.out.lines().collect();
     assert!(
-        lines[0].starts_with("bayes: 4 readings, 82 × 82 cells, ") && lines[0].ends_with(" cell updates"),
+        lines[0].starts_with("bayes: 4 readings, 50 × 38 cells, ") && lines[0].ends_with(" cell updates"),
         "{}",
         lines[0]
     );
     assert!(lines[1].starts_with("oracle  f64, one reading at a time ("), "{}", lines[1]);
     assert!(lines[2].starts_with("cpu     "), "{}", lines[2]);
-    assert_eq!(lines[3], "  membership differences  0");
+    assert_eq!(lines[3], "  cells that other readings reach  0");
     assert_eq!(lines.last(), Some(&"equal"));
     for layer in ["log_odds", "p_occ", "p_emp"] {
         assert!(lines.iter().any(|l| l.trim_start().starts_with(layer) && l.contains(", bound there ")), "{layer}");
@@ -103,7 +117,9 @@ fn verify_quietly_and_within_memory() {
     assert!(ran.err.contains(", but --memory allows 977 KiB: "), "{}", ran.err);
     // Each cell is told with how far it is off and may be, and which readings made it.
     let ran = place.does(&["verify", "log.jsonl", "--backends", "cpu"]);
-    let cells: Vec<&str> = ran.out.lines().filter(|l| l.contains(": cell (")).collect();
+    assert!(ran.out.lines().all(|l| l.chars().count() <= 100), "{}", ran.out);
+    let joined = ran.out.replace("\n      ", " ");
+    let cells: Vec<&str> = joined.lines().filter(|l| l.contains(": cell (")).collect();
     assert!(!cells.is_empty());
     for line in cells {
         assert!(line.trim_start().starts_with("largest") || line.trim_start().starts_with("nearest"), "{line}");
@@ -119,13 +135,15 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     let ran = place.does(&["plan", "log.jsonl"]);
     let heads: Vec<&str> = ran.out.lines().map(|l| l.split("  ").next().unwrap()).take(9).collect();
     assert_eq!(heads, ["log", "readings", "grid", "chunks", "", "round 1", "memory", "card", "disk"]);
+    assert!(ran.out.lines().all(|l| l.chars().count() <= 100), "{}", ran.out);
     let cpu = ran.out.lines().find(|l| l.starts_with("cpu       about ")).unwrap();
     assert!(cpu.contains(" k readings/s, ") && cpu.contains(" s to write a chunk ("), "{cpu}");
     for line in [
         "log       echogrid-jsonl, 1 sensor",
         "readings  4 used of 8 in 4 scans, 0 bad lines, 0 other lines",
-        "grid      82 × 82 cells of 0.05 m from (-1.55, -2.05) to (2.55, 2.05) m",
-        "  r_max = 4",
+        "grid      50 × 38 cells of 0.05 m from (0.00, -0.45) to (2.50, 1.45) m",
+        "  beta = 15 deg",
+        "  r_max = 4 m",
         "  max_occ = 0.98",
     ] {
         assert!(ran.out.lines().any(|l| l == line), "{line}: {}", ran.out);
@@ -135,13 +153,26 @@ fn plan_says_what_it_would_take_and_does_nothing() {
         (&plan["method"], &plan["format"], &plan["scans"]),
         (&json!("bayes"), &json!("echogrid-jsonl"), &json!(4))
     );
-    assert_eq!((&plan["cells"]["width"], &plan["readings"]["used"]), (&json!(82), &json!(4)));
+    assert_eq!((&plan["cells"]["width"], &plan["readings"]["used"]), (&json!(50), &json!(4)));
     assert_eq!((&plan["parameters"]["r_max"], &plan["parameters"]["max_occ"]), (&json!("4"), &json!("0.98")));
     assert_eq!((&plan["chunks"][0]["row"], &plan["chunks"][0]["column"]), (&json!(0), &json!(0)));
     assert!(plan["card"].as_u64().unwrap() > 4 * 20 * (1 << 20), "four chunks of 20 bytes a cell: {plan}");
     assert_eq!((&plan["chunks"][0]["readings"], &plan["binned"]), (&json!(4), &json!(4)));
     assert_eq!((&plan["fits"], &plan["rounds"]), (&json!(true), &json!(["fuse"])));
-    let cpu = plan["expected"].as_array().unwrap().iter().find(|e| e["backend"] == "cpu").unwrap();
+    let expected = |more: &[&str]| {
+        let plan = place.does(&[&["plan", "log.jsonl", "--json"], more].concat()).json();
+        let all = plan["expected"].as_array().unwrap().clone();
+        assert_eq!(all.len(), 1, "one backend is told: {plan}");
+        all[0].clone()
+    };
+    let cpu = expected(&["--backend", "cpu"]);
+    assert_eq!((&cpu["backend"], &cpu["why"]), (&json!("cpu"), &json!("")));
+    let oracle = expected(&["--backend", "oracle"]);
+    assert_eq!(oracle["backend"], "oracle");
+    assert!(oracle["readings_per_second"].as_f64().unwrap() > 1.0, "{oracle}");
+    // Without a choice it is what `map` would take.
+    let auto = expected(&[]);
+    assert!(auto["why"].as_str().unwrap().contains("hardware"), "{auto}");
     assert!(cpu["readings_per_second"].as_f64().unwrap() > 1.0 && cpu["seconds"].as_f64().unwrap() < 60.0, "{cpu}");
     let plan_of = |method: &str| place.does(&["plan", "log.jsonl", "-m", method, "--json"]).json()["rounds"].clone();
     assert_eq!(plan_of("certainty"), json!(["weigh, then sum, then hand over, then fuse", "fuse"]));
@@ -155,9 +186,9 @@ fn plan_says_what_it_would_take_and_does_nothing() {
     {
         let large = ["plan", "log.jsonl", "--bounds", "0,0,300000,300000"];
         let ran = place.does(&large);
-        let why =
-            ran.out.lines().find(|l| l.starts_with("does not fit: the files of a map of 6000000 × 6000000 cells"));
-        assert!(why.is_some_and(|w| w.contains(" take 44 TiB and more, but there are ")), "{}", ran.out);
+        let joined = ran.out.split_whitespace().collect::<Vec<_>>().join(" ");
+        let why = "does not fit: the files of a map of 6000000 × 6000000 cells of 0.05 m take 44 TiB and more, but there are ";
+        assert!(joined.contains(why), "{}", ran.out);
         assert_eq!(place.does(&[&large[..], &["--json"]].concat()).json()["fits"], false);
     }
     // The plan's figure is the one that --memory is held against.
@@ -174,12 +205,13 @@ fn doctor() {
     let lines: Vec<&str> = ran.out.lines().collect();
     assert_eq!(lines[0], format!("echogrid {}", env!("CARGO_PKG_VERSION")));
     assert!(lines[1].starts_with("cpu       ") && lines[1].contains("thread"), "{}", lines[1]);
+    assert!(lines.iter().all(|l| l.chars().count() <= 100), "{}", ran.out);
     assert!(lines.iter().any(|l| l.starts_with("adapter   ")), "{}", ran.out);
     for entry in REGISTRY {
         assert!(lines.iter().any(|l| l.starts_with(&format!("{} ", entry.name))), "{}: {}", entry.name, ran.out);
     }
     let found = place.does(&["doctor", "--json"]).json();
-    assert_eq!(keys(&found), ["adapters", "cpu", "memory_available", "methods", "version"]);
+    assert_eq!(keys(&found), ["adapters", "cpu", "memory_available", "methods", "version", "vulkan"]);
     let methods = found["methods"].as_array().unwrap();
     assert_eq!(
         methods.iter().map(|m| m["method"].as_str().unwrap()).collect::<Vec<_>>(),
@@ -243,24 +275,23 @@ fn bench_gives_figures_for_every_method() {
     let lines: Vec<&str> = ran.out.lines().collect();
     assert!(lines[0].starts_with("cpu: "), "{}", lines[0]);
     assert_eq!(
-        lines[2].split("  ").filter(|s| !s.is_empty()).map(str::trim).collect::<Vec<_>>(),
-        [
-            "method",
-            "workload",
-            "M updates/s",
-            "k readings/s",
-            "ms",
-            "binning",
-            "B/update",
-            "of ceiling",
-            "in kernels",
-            "passes, ms"
-        ]
+        lines[2].split_whitespace().collect::<Vec<_>>().join(" "),
+        "M updates k readings whole binning per of the limit"
     );
+    let heads = ["workload", "a", "second", "a", "second", "ms", "ms", "update", "whole", "in", "kernels"];
+    assert_eq!(lines[3].split_whitespace().collect::<Vec<_>>(), heads);
     assert!(lines[1].starts_with("at most ") && lines[1].contains(" GFLOP/s (fused), "), "{}", lines[1]);
-    // Four workloads and the log, twice.
-    assert_eq!(lines.len(), 3 + 2 * 5, "{}", ran.out);
-    assert!(lines[7].starts_with("himm                     log.jsonl, 5 cm"), "{}", lines[7]);
+    // Four workloads and the log, twice, each under its method; then what the columns mean.
+    assert_eq!((lines[4], lines[10], lines[16]), ("himm", "bayes", ""), "{}", ran.out);
+    assert!(lines[9].starts_with("  log.jsonl, 5 cm"), "{}", lines[9]);
+    for word in ["M updates: ", "whole: ", "binning: ", "per update: ", "of the limit: ", "in kernels: "] {
+        assert!(lines[17..].iter().any(|l| l.contains(word)), "{word}: {}", ran.out);
+    }
+    assert!(lines.iter().all(|l| l.chars().count() <= 100), "{}", ran.out);
+    // A method of several kernels tells the time of each.
+    let ran = place.does(&["bench", "-m", "certainty", "--backends", "cpu", "--readings", "20", "--runs", "1"]);
+    let kernels: Vec<&str> = ran.out.lines().filter(|l| l.starts_with("    of which kernels, ms: fuse ")).collect();
+    assert!(kernels.len() == 4 && kernels.iter().all(|l| l.contains(", weigh ")), "{}", ran.out);
 }
 
 #[test]
@@ -269,8 +300,9 @@ fn bench_compares_grows_and_prints_markdown() {
     let small = ["bench", "-m", "himm", "--backends", "cpu", "--readings", "10", "--runs", "1"];
     place.write("old.json", place.does(&[&small[..], &["--json"]].concat()).out);
     let ran = place.does(&[&small[..], &["--compare", "old.json"]].concat());
-    let lines: Vec<&str> = ran.out.lines().skip(2).collect();
-    assert!(lines[0].ends_with("before") && lines[1..].iter().all(|l| l.ends_with(" x")), "{}", ran.out);
+    let lines: Vec<&str> = ran.out.lines().skip(3).collect();
+    assert!(lines[0].ends_with("before") && lines[2..6].iter().all(|l| l.ends_with(" x")), "{}", ran.out);
+    assert!(ran.out.lines().all(|l| l.chars().count() <= 100), "{}", ran.out);
     let ran = place.does(&[&small[..], &["--markdown"]].concat());
     let table: Vec<&str> = ran.out.lines().filter(|l| l.starts_with('|')).collect();
     assert_eq!(table.len(), 2 + 4, "{}", ran.out);
@@ -296,15 +328,16 @@ fn bench_refuses_truth_and_keeps_its_columns() {
     place.refuses(&["bench", "-m", "himm,truth"], 2, message);
     let small = ["-m", "himm", "--backends", "cpu", "--readings", "20", "--runs", "1"];
     for (name, shown) in [
-        ("a_log_of_some_length.jsonl", "a_log_of_some_length.jsonl, 5 cm".to_string()),
-        (&format!("{}.jsonl", "é".repeat(60)), format!("{}…", "é".repeat(39))),
+        ("a_log_of_a_length.jsonl", "a_log_of_a_length.jsonl, 5 cm".to_string()),
+        (&format!("{}.jsonl", "é".repeat(60)), format!("{}…", "é".repeat(29))),
     ] {
         place.write(name, crate::common::SMALL);
         let ran = place.does(&[&["bench", name], &small[..]].concat());
-        let lines: Vec<&str> = ran.out.lines().skip(2).collect();
-        assert!(lines[5].starts_with(&format!("himm                     {shown}  ")), "{}", ran.out);
-        let widths: Vec<usize> = lines.iter().map(|l| l.chars().count()).collect();
-        assert_eq!(widths, [widths[0]; 6], "{}", ran.out);
+        // The heads, the method, four workloads, the log.
+        let lines: Vec<&str> = ran.out.lines().skip(3).take(7).collect();
+        assert!(lines[6].starts_with(&format!("  {shown}  ")), "{}", ran.out);
+        let widths: Vec<usize> = lines[2..].iter().map(|l| l.chars().count()).collect();
+        assert_eq!(widths, [lines[0].chars().count(); 5], "{}", ran.out);
     }
 }
 
@@ -334,6 +367,18 @@ fn demo_maps_and_scores_a_corridor_by_every_method() {
     }
     // what the text under the table says
     assert!(dangers[dangers.len() - 1] < 0.5 * dangers[2], "{dangers:?}");
+    let danger = |name: &str| format!("{:.3}", dangers[names.iter().position(|n| *n == name).unwrap()]);
+    let [features, bayes, near] = ["features", "bayes", "bayes-2m"].map(danger);
+    let which = format!("features (danger {features}); the default, bayes, has {bayes}, with hit_range=2 {near}.");
+    assert!(ran.out.contains(&which), "{which}: {}", ran.out);
+    // and what README.md and docs/methods.md say of it
+    for document in ["README.md", "docs/methods.md"] {
+        let text = std::fs::read_to_string(format!("{}/{document}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let which = text.split("# Which method?").nth(1).and_then(|t| t.split("\n- **A sparse").next()).unwrap();
+        for figure in [&features, &bayes, &near] {
+            assert!(which.contains(&figure[1..]), "{document} has no {figure}: {which}");
+        }
+    }
     let seconds = ran.out.split(" In ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
     assert!(seconds < 10.0, "{seconds} s");
     let page = std::fs::read_to_string(place.path("deep/demo/score/score.html")).unwrap();

@@ -129,3 +129,72 @@ fn a_true_map_is_a_map_and_a_truth() {
     let ran = place.run(&["truth", &world("campus.toml"), "-o", "x", "-r", "1mm"]);
     assert!(ran.code == 5 && ran.err.contains("GiB") && ran.err.contains("--resolution"), "{ran:?}");
 }
+
+#[test]
+fn built_in_worlds_need_no_file() {
+    let place = Place::new();
+    let listed = place.does(&["simulate", "--list"]).out;
+    let names: Vec<&str> = listed.lines().filter_map(|l| l.split_whitespace().next()).collect();
+    assert_eq!(names, ["room", "turned", "bend", "cartons", "floor", "campus"]);
+    assert!(listed.lines().all(|l| l.len() > 50), "each is explained: {listed}");
+    // one of each file in worlds/
+    let mut files: Vec<String> = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds"))
+        .unwrap()
+        .map(|e| e.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    files.sort();
+    let mut sorted = names.clone();
+    sorted.sort_unstable();
+    assert_eq!(files, sorted);
+
+    place.does(&["simulate", "room", "-o", "named.jsonl", "--seed", "1"]);
+    place.does(&["simulate", &world("room.toml"), "-o", "file.jsonl", "--seed", "1", "--quiet"]);
+    assert_eq!(std::fs::read(place.path("named.jsonl")).unwrap(), std::fs::read(place.path("file.jsonl")).unwrap());
+    place.does(&["map", "named.jsonl", "-o", "map", "--backend", "cpu", "--quiet"]);
+    let score = |truth: &str| place.does(&["score", "map", "--truth", truth, "--json"]).json()["maps"][0].clone();
+    assert_eq!(score("room"), score(&world("room.toml")));
+    place.does(&["truth", "room", "-o", "true", "-q"]);
+    assert_eq!(score("true")["danger"], score("room")["danger"]);
+
+    // what is called so in the folder isn't meant, and that is said
+    place.does(&["map", "named.jsonl", "-o", "room", "--backend", "cpu", "--quiet"]);
+    let note = "echogrid: room is the built-in world; for what is called so in this folder write ./room\n";
+    let ran = place.run(&["score", "map", "--truth", "room", "--json"]);
+    assert_eq!((ran.code, ran.err.as_str(), &ran.json()["maps"][0]), (0, note, &score("room")));
+    let own = place.run(&["score", "map", "--truth", "./room", "--json"]);
+    assert_eq!((own.err.as_str(), &own.json()["maps"][0]["accuracy"]), ("", &1.0.into()));
+    for arguments in [&["simulate", "room", "-o", "x.jsonl", "--quiet"][..], &["truth", "room", "-o", "x", "-q"]] {
+        let ran = place.run(arguments);
+        assert_eq!((ran.code, ran.err.as_str()), (0, note), "{arguments:?}");
+    }
+    // without --list a world and a place for the log are needed
+    for arguments in
+        [&["simulate"][..], &["simulate", "room"], &["simulate", "-o", "x"], &["simulate", "--list", "room"]]
+    {
+        assert_eq!(place.run(arguments).code, 2, "{arguments:?}");
+    }
+}
+
+#[test]
+fn an_unknown_world_names_the_nearest() {
+    let place = Place::new();
+    let meant =
+        |name: &str| format!("echogrid: {name}: there is no such file; did you mean \"room\", a built-in world?");
+    for name in ["rom", "Room", "rooms", "worlds/room.toml", "room.toml"] {
+        place.refuses(&["simulate", name, "-o", "x.jsonl"], 3, &meant(name));
+        place.refuses(&["truth", name, "-o", "x"], 3, &meant(name));
+    }
+    let all = "the built-in worlds are room, turned, bend, cartons, floor, campus";
+    place.refuses(&["simulate", "xyz", "-o", "x"], 3, &format!("echogrid: xyz: there is no such file; {all}"));
+    place.does(&["map", "log.jsonl", "-o", "map", "--backend", "cpu", "--quiet"]);
+    place.refuses(
+        &["score", "map", "--truth", "benf"],
+        3,
+        "echogrid: benf: there is no such map, nor such a world; did you mean \"bend\", a built-in world?",
+    );
+    place.refuses(
+        &["score", "map", "--truth", "bent.toml"],
+        3,
+        "echogrid: bent.toml: there is no such file; did you mean \"bend\", a built-in world?",
+    );
+}

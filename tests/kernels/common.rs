@@ -1,5 +1,9 @@
 //! Running a scene on a backend, holding the result against the oracle, and what a failure leaves behind.
 
+#[path = "../data/mod.rs"]
+mod data;
+
+pub use data::data;
 use echogrid::compare::{self, compare, write_pictures};
 use echogrid::feature::Update;
 use echogrid::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
@@ -254,18 +258,6 @@ pub fn open(options: Options) -> Option<Gpu> {
             None
         }
     }
-}
-
-/// The path of a real log; `None`, loudly, where it is absent.
-pub fn data(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("ECHOGRID_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
-    let path = folder.join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    say(&format!("SKIPPED: no {} (set ECHOGRID_DATA to the folder of real logs)", path.display()));
-    None
 }
 
 /// A cell by its place: column, row, world coordinates.

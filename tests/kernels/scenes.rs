@@ -111,9 +111,10 @@ pub fn crowd() -> Scene {
     crowd
 }
 
-/// A grid of neither whole tiles nor chunks, with sensors in and around it, some too far to reach it.
+/// A grid of neither whole tiles nor chunks, with sensors in and around it, some too far to reach it; narrow sonars among them.
 pub fn ragged() -> Scene {
-    let sensors = mixed();
+    let mut sensors = mixed();
+    sensors.extend([sonar(0.7, 0.1, 5.0), sonar(3.0, 0.1, 5.0)]);
     let readings = random(2, 600, [-1.5, -1.5, 5.2, 6.8], &sensors, 0.2);
     let ragged = scene("ragged", bounds([0.0, 0.0, 3.7, 5.3], 0.1), sensors, readings);
     assert_eq!((ragged.grid.width, ragged.grid.height), (37, 53));

@@ -140,8 +140,72 @@ fn files_that_appear_during_the_run_are_not_overwritten() {
     write_map(&folder, &map(11, 8), &map(11, 8).layers[0], &info(), false).unwrap();
     fs::create_dir(&path).unwrap();
     fs::write(path.join("notes.txt"), "mine").unwrap();
-    assert_eq!(folder.finish().unwrap_err().exit_code(), 5);
+    let error = folder.finish().unwrap_err();
+    assert_eq!(error.exit_code(), 5);
     assert_eq!(names(&path), ["notes.txt"]);
+    // What was computed isn't lost, and no later run removes it.
+    assert!(
+        error.to_string().contains("the new map is whole and lies in ") && error.to_string().contains("m.new-1"),
+        "{error}"
+    );
+    assert_eq!(names(dir.path()), ["m", "m.new-1"]);
+    assert_eq!(read_map(&dir.path().join("m.new-1")).unwrap().map.grid.width, 11);
+    refused(&path, "no echogrid map");
+    assert!(!names(&dir.path().join("m.new-1")).contains(&".echogrid-partial".into()));
+}
+
+#[test]
+fn files_that_come_into_a_map_during_the_run_keep_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("m");
+    write(&path, &map(11, 8), false);
+    let folder = Folder::prepare(&path).unwrap();
+    write_map(&folder, &map(12, 9), &map(12, 9).layers[0], &info(), false).unwrap();
+    fs::write(path.join("map.zarr/class/notes.txt"), "mine").unwrap();
+    let error = folder.finish().unwrap_err().to_string();
+    assert!(error.contains("it holds map.zarr/class/notes.txt; move what is yours"), "{error}");
+    assert_eq!(names(dir.path()), ["m", "m.new-1"]);
+    assert_eq!(read_map(&path).unwrap().map.grid.width, 11);
+    assert_eq!(fs::read_to_string(path.join("map.zarr/class/notes.txt")).unwrap(), "mine");
+    assert_eq!(read_map(&dir.path().join("m.new-1")).unwrap().map.grid.width, 12);
+    assert_eq!(Folder::check(&path).unwrap_err().exit_code(), 5);
+    fs::remove_file(path.join("map.zarr/class/notes.txt")).unwrap();
+    Folder::check(&path).unwrap();
+}
+
+#[test]
+fn what_is_the_user_s_beside_the_folder_stays() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("m");
+    write(&path, &map(11, 8), false);
+    // In a folder that a killed run left.
+    let partial = dir.path().join("m.partial");
+    fs::create_dir(&partial).unwrap();
+    fs::write(partial.join(".echogrid-partial"), "").unwrap();
+    fs::write(partial.join("notes.txt"), "mine").unwrap();
+    refused(&path, "it holds notes.txt, which is no file of a map");
+    assert_eq!(names(&partial), [".echogrid-partial", "notes.txt"]);
+    fs::remove_dir_all(&partial).unwrap();
+    // In an old map that stepped aside.
+    let old = dir.path().join("m.old-77");
+    write(&old, &map(11, 8), false);
+    fs::write(old.join(".echogrid-partial"), "").unwrap();
+    fs::create_dir(old.join("photos")).unwrap();
+    refused(&path, "m.old-77, which holds photos/, not the map's");
+    assert!(old.join("photos").is_dir() && read_map(&old).is_ok());
+    fs::remove_dir(old.join("photos")).unwrap();
+    drop(Folder::prepare(&path).unwrap());
+    assert_eq!(names(dir.path()), ["m"]);
+    // What comes into the folder under way when the run fails.
+    let folder = Folder::prepare(&path).unwrap();
+    write_map(&folder, &map(12, 9), &map(12, 9).layers[0], &info(), true).unwrap();
+    fs::write(folder.path().join("map.zarr/notes.txt"), "mine").unwrap();
+    drop(folder);
+    assert_eq!(
+        (names(&partial), names(&partial.join("map.zarr"))),
+        (vec!["map.zarr".into()], vec!["notes.txt".into()])
+    );
+    refused(&path, "in the way");
 }
 
 #[cfg(unix)]

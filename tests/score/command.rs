@@ -1,8 +1,8 @@
 //! `echogrid score` as a user runs it: exit codes, JSON, files, errors; and the real log's figures.
 
+use crate::data::data;
 use serde_json::Value;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 fn echogrid(folder: &Path, arguments: &[&str]) -> Output {
@@ -156,23 +156,9 @@ fn ros_maps_as_others_write_them() {
     assert!(code == 2 && said.contains("--bounds 0,0,X1,Y1"), "{code} {said}");
 }
 
-/// A real log's folder; `None`, loudly, where it is absent.
-fn real_log(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("ECHOGRID_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
-    let path = std::path::absolute(folder.join("sonar_ring_8").join(name)).unwrap();
-    if path.exists() {
-        return Some(path);
-    }
-    // Straight to the stream: the harness would swallow a print of a test that passes.
-    let text = format!("SKIPPED: no {} (set ECHOGRID_DATA to the folder of real logs)\n", path.display());
-    let _ = std::io::stderr().write_all(text.as_bytes());
-    None
-}
-
 #[test]
 fn the_real_log_against_its_laser_map() {
-    let Some(log) = real_log("test1") else { return };
+    let Some(log) = data("sonar_ring_8/test1") else { return };
     let folder = tempfile::tempdir().unwrap();
     let log = log.to_str().unwrap();
     let map = |sensor: &str, method: &str, more: &[&str]| {

@@ -1,5 +1,6 @@
 //! Finding an adapter and opening its device.
 
+use super::vulkan::Drivers;
 use crate::{Error, Result};
 use std::sync::OnceLock;
 
@@ -83,7 +84,8 @@ pub fn list() -> Vec<Found> {
 /// Opens the best adapter with all of its limits. `hardware`: a software adapter is not good enough.
 pub fn open(hardware: bool) -> Result<(Found, wgpu::Device, wgpu::Queue)> {
     let none = |what: &str| Error::NoAdapter(format!("{what}: {REMEDY}"));
-    let adapter = ranked().into_iter().next().ok_or_else(|| none("there is no GPU adapter"))?;
+    let missing = || Error::NoAdapter(format!("there is no GPU adapter: {}", Drivers::look().why_none()));
+    let adapter = ranked().into_iter().next().ok_or_else(missing)?;
     let found = describe(&adapter);
     if hardware && found.software {
         return Err(none(&format!("the only adapter is {found}")));

@@ -9,6 +9,7 @@ mod pool;
 pub mod shader;
 mod timer;
 mod upload;
+pub mod vulkan;
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
 use crate::batch::Batch;

@@ -18,7 +18,7 @@ pub(super) enum Array {
     },
     /// A cell array, column by column.
     Cells(Vec<Array>),
-    /// A struct of one element: its fields.
+    /// A struct: its fields; of an array of structs, each field as a cell of the elements' values.
     Struct(Vec<(String, Array)>),
     /// Something else, by what it is.
     Other(&'static str),
@@ -64,9 +64,45 @@ const MATRIX: u32 = 14;
 /// Data type of a packed element.
 pub(super) const COMPRESSED: u32 = 15;
 
+/// Reads every variable; one that can't be read is told by what it is. The error doesn't name the file.
+pub(super) fn read_all(bytes: &[u8]) -> Read_<Vec<(String, Array)>> {
+    let mut all = Vec::new();
+    let mut budget = Budget(LARGEST);
+    budget.take(bytes.len() as u64)?;
+    walk(bytes, |name, kind, body| {
+        // What a variable that is too large or damaged has taken is given back with it.
+        let mut left = Budget(budget.0);
+        let array = match variable(kind, body, &mut left) {
+            Ok(array) => {
+                budget.0 = left.0;
+                array
+            }
+            Err(_) => Array::Other("damaged or too large"),
+        };
+        all.push((name, array));
+        Ok(())
+    })?;
+    Ok(all)
+}
+
 /// Reads the variables of these names; the error doesn't name the file.
 pub(super) fn read(bytes: &[u8], wanted: &[&str]) -> Read_<Variables> {
     let mut found = Variables::default();
+    let mut budget = Budget(LARGEST);
+    budget.take(bytes.len() as u64)?;
+    walk(bytes, |name, kind, body| {
+        if wanted.contains(&name.as_str()) {
+            let array = variable(kind, body, &mut budget).map_err(|what| format!("{name}: {what}"))?;
+            found.wanted.insert(name.clone(), array);
+        }
+        found.names.push(name);
+        Ok(())
+    })?;
+    Ok(found)
+}
+
+/// Shows each variable: its name, its element's type and bytes.
+fn walk(bytes: &[u8], mut each: impl FnMut(String, u32, &[u8]) -> Read_<()>) -> Read_<()> {
     match bytes.get(124..HEADER) {
         None => return Err(format!("ends after {} bytes of its header of {HEADER}", bytes.len())),
         Some([_, _, b'M', b'I']) => {
@@ -74,8 +110,6 @@ pub(super) fn read(bytes: &[u8], wanted: &[&str]) -> Read_<Variables> {
         }
         Some(_) => {}
     }
-    let mut budget = Budget(LARGEST);
-    budget.take(bytes.len() as u64)?;
     let mut rest = Bytes { all: bytes, at: HEADER };
     while !rest.ended() {
         let at = rest.at;
@@ -88,19 +122,19 @@ pub(super) fn read(bytes: &[u8], wanted: &[&str]) -> Read_<Variables> {
         };
         // What is wrong with another variable is none of ours.
         let Ok(name) = name else { continue };
-        if wanted.contains(&name.as_str()) {
-            let array = match kind {
-                COMPRESSED => unpack(body, &mut budget).and_then(|unpacked| {
-                    let (_, body) = Bytes { all: &unpacked, at: 0 }.element()?;
-                    array(body, &mut budget)
-                }),
-                _ => array(body, &mut budget),
-            };
-            found.wanted.insert(name.clone(), array.map_err(|what| format!("{name}: {what}"))?);
-        }
-        found.names.push(name);
+        each(name, kind, body)?;
     }
-    Ok(found)
+    Ok(())
+}
+
+/// A variable's array, packed or not.
+fn variable(kind: u32, body: &[u8], budget: &mut Budget) -> Read_<Array> {
+    if kind != COMPRESSED {
+        return array(body, budget);
+    }
+    let unpacked = unpack(body, budget)?;
+    let (_, body) = Bytes { all: &unpacked, at: 0 }.element()?;
+    array(body, budget)
 }
 
 /// The name of a packed variable.
@@ -168,7 +202,7 @@ impl Head {
         };
         match self.class {
             1 => (0..count).map(|_| inner(body, budget)).collect::<Read_<_>>().map(Array::Cells),
-            2 if count == 1 => {
+            2 => {
                 let length = words(body.expect(INT32, "field name length")?);
                 let length = length.first().map_or(0, |l| *l as usize);
                 let names = body.expect(INT8, "field names")?;
@@ -178,10 +212,25 @@ impl Head {
                 let name = |part: &[u8]| {
                     String::from_utf8_lossy(part.split(|b| *b == 0).next().unwrap_or_default()).into_owned()
                 };
-                let fields = names.chunks_exact(length).map(|part| Ok((name(part), inner(body, budget)?)));
-                fields.collect::<Read_<_>>().map(Array::Struct)
+                let mut fields: Vec<(String, Vec<Array>)> =
+                    names.chunks_exact(length).map(|part| (name(part), Vec::new())).collect();
+                if fields.is_empty() {
+                    return Ok(Array::Struct(Vec::new()));
+                }
+                for _ in 0..count {
+                    for (_, values) in &mut fields {
+                        values.push(inner(body, budget)?);
+                    }
+                }
+                let whole = |mut values: Vec<Array>| match (count, values.pop()) {
+                    (1, Some(value)) => value,
+                    (_, last) => {
+                        values.extend(last);
+                        Array::Cells(values)
+                    }
+                };
+                Ok(Array::Struct(fields.into_iter().map(|(name, values)| (name, whole(values))).collect()))
             }
-            2 => Ok(Array::Other("an array of structs")),
             6..=15 if self.complex => Ok(Array::Other("an array of complex numbers")),
             6..=15 => {
                 let (kind, part) = body.element()?;

@@ -16,6 +16,7 @@ pub(super) struct Row {
 
 /// The rows of one file, with the one that comes next in sight.
 pub(super) struct Rows {
+    input: Input,
     lines: Lines,
     pub name: String,
     columns: usize,
@@ -29,7 +30,16 @@ impl Rows {
     /// The rows of `input`: a time stamp and so many columns.
     pub fn new(input: &Input, columns: usize) -> Result<Rows> {
         let name = input.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Rows { lines: input.lines()?, name, columns, now: None, next: None, begun: false, fatal: None })
+        Ok(Rows {
+            input: input.clone(),
+            lines: input.lines()?,
+            name,
+            columns,
+            now: None,
+            next: None,
+            begun: false,
+            fatal: None,
+        })
     }
 
     /// Takes the row that is in sight.
@@ -117,6 +127,8 @@ pub(super) fn meet(readings: &mut Rows, poses: &mut Rows) -> Meeting {
     let (next_reading, next_pose) = (t(&readings.next), t(&poses.next));
     let drop_reading = match (&readings.now, &poses.now) {
         (None, None) => return Meeting::End,
+        // Of two files that are being written, one was opened with more rows.
+        (None, _) | (_, None) if readings.input.grown() || poses.input.grown() => return Meeting::End,
         (Some(_), None) => true,
         (None, Some(_)) => false,
         _ if next_reading == pose && reading != pose => true,

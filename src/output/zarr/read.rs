@@ -3,6 +3,7 @@
 use super::{SHARD, Tried};
 use crate::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
 use crate::output::folder;
+use crate::output::names::{REPORT, STORE};
 use crate::whole::{Place, part, places};
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -34,12 +35,12 @@ pub fn read_map(path: &Path) -> Result<StoredMap> {
         };
         return Err(Error::input(path, what));
     }
-    read_folder(path).map_err(|e| Error::input(path.join("map.zarr"), format!("it can't be read: {e}")))
+    read_folder(path).map_err(|e| Error::input(path.join(STORE), format!("it can't be read: {e}")))
 }
 
 fn read_folder(path: &Path) -> Tried<StoredMap> {
-    let report: Value = serde_json::from_slice(&std::fs::read(path.join("report.json"))?)?;
-    let reader = Reader::open(&path.join("map.zarr"))?;
+    let report: Value = serde_json::from_slice(&std::fs::read(REPORT.at(path))?)?;
+    let reader = Reader::open(&path.join(STORE))?;
     let layers = (0..reader.arrays.len()).map(|k| reader.layer(k)).collect::<Tried<Vec<Layer>>>()?;
     let method = reader.method();
     let attributes = reader.attributes;

@@ -3,6 +3,7 @@
 use super::piece::Pieces;
 use super::{Cause, OVERVIEW, Tried, read, reduced};
 use crate::grid::{GridSpec, Scale};
+use crate::output::names::{REPORT, STORE};
 use crate::{Error, Result};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -46,7 +47,7 @@ impl Stored {
     /// # Errors
     /// [`Error::Input`] if it is no map, or what describes it can't be read.
     pub fn open(path: &Path) -> Result<Stored> {
-        let (zarr, report) = (path.join("map.zarr"), path.join("report.json"));
+        let (zarr, report) = (path.join(STORE), REPORT.at(path));
         if !zarr.is_dir() || !report.is_file() {
             let what = "it is no echogrid map: a folder with report.json and map.zarr is wanted";
             return Err(Error::input(path, what));

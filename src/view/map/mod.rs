@@ -29,7 +29,7 @@ const SIGNED: Scale = Scale::Signed { limit: 1.0 };
 pub struct Beside<'a> {
     /// Another map.
     pub with: Option<&'a Path>,
-    /// What is true: a world's TOML file, or a map.
+    /// What is true: a world, built in or a TOML file, or a map.
     pub truth: Option<&'a Path>,
     /// Memory that may be used, bytes.
     pub memory: Option<u64>,
@@ -73,6 +73,11 @@ enum Show {
 }
 
 impl MapView {
+    /// What a user should know of the truth.
+    pub fn notes(&self) -> &[String] {
+        self.scored.as_ref().map_or(&[], |s| &s.notes)
+    }
+
     /// Opens a map's folder, and what is looked at beside it.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ use super::plane::{Laid, Plane};
 use crate::grid::Palette;
 use crate::output::{Stored, read_map};
 use crate::score::{LEVELS, NOT_COMPARED, Options, Truth, score};
+use crate::world::Shipped;
 use crate::{Error, Result, memory};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -35,16 +36,19 @@ pub(super) struct Scored {
     pub truth: Plane,
     /// The numbers, as `echogrid score --json` gives them.
     pub numbers: Value,
+    /// What a user should know of the truth.
+    pub notes: Vec<String>,
 }
 
 impl Scored {
     /// Scores a map as `echogrid score` does. All of it is read: that it fits in memory is checked first.
     pub fn of(stored: &Stored, name: &str, truth: &Path, cap: Option<u64>) -> Result<Scored> {
-        let other = if truth.is_dir() { Stored::open(truth)?.bytes() } else { 0 };
+        let other = if truth.is_dir() && Shipped::named(truth).is_none() { Stored::open(truth)?.bytes() } else { 0 };
         let needed = stored.bytes() + other + CELL * stored.grid.cells() as u64;
         let remedy = "look at it without --truth, or map it with smaller --bounds or a coarser --resolution";
         memory::check(needed, cap, &stored.grid, remedy)?;
-        let opened = Truth::open(truth, None)?;
+        let mut notes = Vec::new();
+        let opened = Truth::open_noting(truth, None, &mut |what| notes.push(what))?;
         let map = read_map(&stored.path)?.map;
         let score = score(name, &map, &opened, &Options::default()).map_err(|e| match e {
             Error::Usage(what) => Error::Usage(format!("{name}: {what}")),
@@ -60,6 +64,7 @@ impl Scored {
             levels: Plane { laid, values: cells.levels.into_iter().map(label).collect() },
             truth: Plane { laid, values: cells.actual },
             numbers,
+            notes,
         })
     }
 

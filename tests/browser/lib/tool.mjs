@@ -56,7 +56,7 @@ export const LOGS = {
 export function real() {
   const path = join(process.env.ECHOGRID_DATA ?? join(ROOT, "../shared/data"), "sonar_ring_8/test1");
   if (existsSync(path)) return path;
-  process.stderr.write(`SKIPPED: no ${path} (set ECHOGRID_DATA to the folder of real logs)\n`);
+  process.stderr.write(`SKIPPED the_page_works_in_a_browser: no ${path} (set ECHOGRID_DATA to the folder of real logs)\n`);
   return null;
 }
 

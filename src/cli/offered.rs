@@ -1,0 +1,52 @@
+//! Values that a shell offers for an option, while any other is taken too: what is wrong with one is told later, with what was
+//! meant.
+
+use crate::method::REGISTRY;
+use crate::method::settings::{Key, Settings};
+use crate::sensor::OVERRIDE_KEYS;
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
+
+/// Takes any text, and offers some.
+#[derive(Clone)]
+pub struct Offered(pub fn() -> Vec<String>);
+
+impl TypedValueParser for Offered {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new((self.0)().into_iter().map(PossibleValue::new)))
+    }
+}
+
+/// Every method's name.
+pub fn methods() -> Vec<String> {
+    REGISTRY.iter().map(|e| e.name.to_string()).collect()
+}
+
+/// Every key of `--set`: with each of its values where these are words, else up to the value.
+pub fn settings() -> Vec<String> {
+    let of_methods = REGISTRY.iter().filter_map(|e| Settings::of(e.name)).flat_map(|s| s.keys());
+    let all: BTreeSet<String> = OVERRIDE_KEYS.iter().chain(of_methods).flat_map(values).collect();
+    all.into_iter().collect()
+}
+
+fn values(key: &Key) -> Vec<String> {
+    let word = |text: &str| text.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
+    match key.values.split('|').collect::<Vec<_>>() {
+        words if words.len() > 1 && words.iter().all(|w| word(w)) => {
+            words.iter().map(|w| format!("{}={w}", key.name)).collect()
+        }
+        _ => vec![format!("{}=", key.name)],
+    }
+}

@@ -1,0 +1,139 @@
+//! Logs in MATLAB's and Octave's files whose variables are named by `--fields`, or plainly named by themselves.
+
+use super::array::Array;
+use super::plot::Plot;
+use super::{HALF_WIDTH, fields};
+use crate::log::format::{Items, Mounted, Scans, Source, check_pose};
+use crate::log::input::Input;
+use crate::log::text::Scan;
+use crate::log::{BadLine, Problem};
+use crate::sensor::{Description, Kind};
+use crate::{Error, Result};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Opens a log of these variables; `given`: the text of `--fields`.
+pub(super) fn open(
+    input: &Input,
+    variables: &[(String, Array)],
+    given: Option<&str>,
+    kind: Option<Kind>,
+) -> Result<Box<dyn Source>> {
+    let (line, plain, note) = fields::guess(variables);
+    let named = match (given, plain) {
+        (Some(given), _) => fields::parse(given).map_err(|what| Error::Usage(format!("--fields {given}: {what}")))?,
+        (None, true) => fields::parse(&line).map_err(|what| Error::input(input.path(), what))?,
+        (None, false) => {
+            return Err(Error::input(
+                input.path(),
+                format!(
+                    "which of its variables are the poses and the scans isn't plain; it holds {}. Name them, such as --fields {line} \
+                     (docs/formats.md)",
+                    fields::list(variables)
+                ),
+            ));
+        }
+    };
+    let plot = Plot::of(variables, &named).map_err(|what| {
+        let how = if given.is_some() { String::new() } else { format!(" (--fields {line})") };
+        Error::input(input.path(), format!("{what}{how}; it holds {}", fields::list(variables)))
+    })?;
+    let kind = kind.unwrap_or(Kind::Laser);
+    let laser = Description {
+        id: Some("laser".into()),
+        kind: Some(kind),
+        half_width: (kind == Kind::Laser).then(|| plot.half_width().unwrap_or(HALF_WIDTH.to_radians())),
+        r_max: plot.r_max,
+        x: plot.mount.map(|mount| mount.x),
+        y: plot.mount.map(|mount| mount.y),
+        axis: plot.mount.map(|mount| mount.heading),
+        ..Description::default()
+    };
+    let mut notes = Vec::new();
+    if given.is_none() {
+        notes.push(format!("its variables are read as --fields {line}"));
+        notes.extend(note);
+    }
+    Ok(Box::new(Named { input: input.clone(), plot: Arc::new(plot), sensors: vec![laser], notes }))
+}
+
+struct Named {
+    input: Input,
+    plot: Arc<Plot>,
+    sensors: Vec<Description>,
+    notes: Vec<String>,
+}
+
+impl Source for Named {
+    fn sensors(&self) -> &[Description] {
+        &self.sensors
+    }
+
+    fn has_beams(&self) -> bool {
+        false
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    fn inputs(&self) -> Vec<&Input> {
+        vec![&self.input]
+    }
+
+    fn scans(&self, sensors: Arc<[Mounted]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>> {
+        Ok(Box::new(Pass { plot: self.plot.clone(), next: 0, sensors, ignored }))
+    }
+}
+
+struct Pass {
+    plot: Arc<Plot>,
+    next: usize,
+    sensors: Arc<[Mounted]>,
+    ignored: Arc<AtomicU64>,
+}
+
+impl Scans for Pass {
+    fn fill(&mut self, items: &mut Items) -> bool {
+        let Some(robot) = self.plot.poses.get(self.next) else { return false };
+        let (number, line) = (self.next as u64, self.next as u64 + 1);
+        let t = self.plot.times.get(self.next).copied().unwrap_or(number as f64);
+        let read = match check_pose("the robot's", robot) {
+            Err(what) => Err(what),
+            Ok(()) if !t.is_finite() => Err(format!("t is {t}")),
+            Ok(()) => self.plot.scan(self.next),
+        };
+        self.next += 1;
+        let bad = |what: String| Err(Problem::Line(BadLine { line, what: format!("scan {line}: {what}") }));
+        let readings = match read {
+            Ok(readings) => readings,
+            Err(what) => {
+                items.push_back(bad(what));
+                return true;
+            }
+        };
+        if readings.is_empty() {
+            self.ignored.fetch_add(1, Ordering::Relaxed);
+        }
+        let scan = Scan { t, number, sensor: 0, robot: *robot, given: None, line };
+        for (off, range, label) in readings {
+            let label = match label {
+                None => None,
+                Some(label) if label.fract() == 0.0 && (1.0..65536.0).contains(&label) => Some(label as u16),
+                Some(label) => {
+                    items.push_back(bad(format!("label {label}: labels are whole numbers from 1")));
+                    continue;
+                }
+            };
+            if !off.is_finite() {
+                items.push_back(bad("a point that is not finite".into()));
+                continue;
+            }
+            scan.push(&self.sensors, off, range, items);
+            if let (Some(Ok(record)), Some(_)) = (items.back_mut(), label) {
+                record.label = label;
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,220 @@
+//! What the columns of a table hold, as `--columns` says it: names with units, separated by commas.
+
+use crate::log::format::quote;
+use crate::sensor::similar;
+use std::fmt;
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::log) enum Role {
+    Skip,
+    T,
+    Scan,
+    Sensor,
+    /// The robot's pose.
+    Px,
+    Py,
+    Ph,
+    /// The sensor's pose.
+    X,
+    Y,
+    H,
+    Range,
+    /// A reading's bearing from its sensor's axis.
+    Angle,
+    Label,
+}
+
+/// The names that `--columns` takes, the plain one of each first.
+const NAMES: &[(&str, Role)] = &[
+    ("t", Role::T),
+    ("time", Role::T),
+    ("x", Role::X),
+    ("y", Role::Y),
+    ("heading", Role::H),
+    ("theta", Role::H),
+    ("yaw", Role::H),
+    ("h", Role::H),
+    ("px", Role::Px),
+    ("py", Role::Py),
+    ("ph", Role::Ph),
+    ("range", Role::Range),
+    ("ranges", Role::Range),
+    ("z", Role::Range),
+    ("angle", Role::Angle),
+    ("angles", Role::Angle),
+    ("bearing", Role::Angle),
+    ("sensor", Role::Sensor),
+    ("scan", Role::Scan),
+    ("label", Role::Label),
+    ("-", Role::Skip),
+    ("_", Role::Skip),
+];
+
+/// A column, and what its numbers are multiplied with to be metres, radians or seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::log) struct Column {
+    pub role: Role,
+    pub scale: f64,
+}
+
+/// The columns of a table: each so many times; `None`: as often as is left.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::log) struct Columns {
+    items: Vec<(Column, Option<usize>)>,
+    text: String,
+}
+
+impl fmt::Display for Columns {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Columns {
+    /// From its text. The error says what is wrong with it.
+    pub fn parse(text: &str) -> Result<Columns, String> {
+        let mut items = Vec::new();
+        for item in text.split(',').map(str::trim) {
+            let wrong = |what: String| format!("{}: {what}", quote(item));
+            let (item_, rest) = match item.strip_suffix("...").or_else(|| item.strip_suffix('…')) {
+                Some(item) => (item, true),
+                None => (item, false),
+            };
+            // A unit may stand before or behind the count: range:mm*8, range*8:mm.
+            let (mut name, mut unit, mut count) = (item_, None, None);
+            for _ in 0..2 {
+                match name.rfind([':', '*']) {
+                    Some(at) if name[at..].starts_with(':') && unit.is_none() => {
+                        (name, unit) = (&name[..at], Some(&name[at + 1..]));
+                    }
+                    Some(at) if name[at..].starts_with('*') && count.is_none() => {
+                        let number = name[at + 1..].trim().parse::<usize>().ok().filter(|n| (1..=100_000).contains(n));
+                        count = Some(
+                            number.ok_or_else(|| wrong("a count is a whole number from 1, as in range*180".into()))?,
+                        );
+                        name = &name[..at];
+                    }
+                    _ => {}
+                }
+            }
+            let known: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
+            let lower = name.trim().to_ascii_lowercase();
+            let role = NAMES.iter().find(|(name, _)| *name == lower).map(|(_, role)| *role);
+            let role = role.ok_or_else(|| wrong(format!("no such column{}", similar(&lower, &known))))?;
+            let scale = unit.map_or(Ok(1.0), |unit| scale(role, unit.trim())).map_err(wrong)?;
+            if rest && count.is_some() {
+                return Err(wrong("either a count or …, not both".into()));
+            }
+            items.push((Column { role, scale }, if rest { None } else { Some(count.unwrap_or(1)) }));
+        }
+        if items.iter().filter(|(_, count)| count.is_none()).count() > 1 {
+            return Err("… can be given once: how many columns each of two has isn't known".into());
+        }
+        // x, y and heading are the robot's, unless px, py and ph are.
+        let has = |items: &[(Column, Option<usize>)], role| items.iter().any(|(c, _)| c.role == role);
+        let robots = [(Role::X, Role::Px), (Role::Y, Role::Py), (Role::H, Role::Ph)];
+        if !has(&items, Role::Px) && !has(&items, Role::Py) && !has(&items, Role::Ph) {
+            for (column, _) in &mut items {
+                if let Some((_, robot)) = robots.iter().find(|(own, _)| *own == column.role) {
+                    column.role = *robot;
+                }
+            }
+        } else if !has(&items, Role::Ph) && !has(&items, Role::X) {
+            for (column, _) in items.iter_mut().filter(|(column, _)| column.role == Role::H) {
+                column.role = Role::Ph;
+            }
+        }
+        let columns = Columns { items, text: text.into() };
+        columns.check()?;
+        Ok(columns)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        for (role, name) in [
+            (Role::T, "t"),
+            (Role::Scan, "scan"),
+            (Role::Sensor, "sensor"),
+            (Role::Px, "x (the robot's)"),
+            (Role::Py, "y (the robot's)"),
+            (Role::Ph, "heading (the robot's)"),
+            (Role::X, "x (the sensor's)"),
+            (Role::Y, "y (the sensor's)"),
+            (Role::H, "heading (the sensor's)"),
+            (Role::Label, "label"),
+        ] {
+            if self.items.iter().filter(|(c, _)| c.role == role).map(|(_, n)| n.unwrap_or(2)).sum::<usize>() > 1 {
+                return Err(format!("two columns are {name}"));
+            }
+        }
+        let robot = [Role::Px, Role::Py, Role::Ph].map(|role| self.has(role));
+        if robot.contains(&true) && robot.contains(&false) {
+            return Err("the robot's pose is x, y and heading: name all three, or none and give --poses".into());
+        }
+        let sensor = [Role::X, Role::Y, Role::H].map(|role| self.has(role));
+        if sensor.contains(&true) && sensor.contains(&false) {
+            return Err("the sensor's pose is x, y and h beside px, py and ph: name all three or none".into());
+        }
+        Ok(())
+    }
+
+    /// Whether a column holds this.
+    pub fn has(&self, role: Role) -> bool {
+        self.items.iter().any(|(c, _)| c.role == role)
+    }
+
+    /// Refuses columns that are no readings.
+    pub fn gives_readings(&self) -> Result<(), String> {
+        match (self.has(Role::Range), self.has(Role::Px), self.has(Role::T)) {
+            (false, ..) => Err("no column is called range".into()),
+            (true, false, false) => Err("without x, y and heading it needs t: --poses takes poses by time".into()),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses columns that are no poses with times.
+    pub fn gives_poses(&self) -> Result<(), String> {
+        match self.has(Role::Px) && self.has(Role::T) {
+            true => Ok(()),
+            false => Err("poses are t, x, y and heading".into()),
+        }
+    }
+
+    /// The columns of a row of so many cells.
+    pub fn of(&self, cells: usize) -> Result<Vec<Column>, String> {
+        let fixed: usize = self.items.iter().filter_map(|(_, count)| *count).sum();
+        let open = self.items.iter().any(|(_, count)| count.is_none());
+        if fixed > cells || (fixed < cells && !open) || (open && fixed == cells) {
+            let more = if open { "more than " } else { "" };
+            return Err(format!("expected {more}{fixed} cells, as --columns says, found {cells}"));
+        }
+        let repeat = |(column, count): &(Column, Option<usize>)| vec![*column; count.unwrap_or(cells - fixed)];
+        let columns: Vec<Column> = self.items.iter().flat_map(repeat).collect();
+        let count = |role| columns.iter().filter(|c| c.role == role).count();
+        match (count(Role::Range), count(Role::Angle)) {
+            (ranges, angles) if angles != 0 && angles != ranges => {
+                Err(format!("{ranges} ranges, but {angles} angles: each range wants its own, or none has one"))
+            }
+            _ => Ok(columns),
+        }
+    }
+}
+
+/// What a unit's numbers are multiplied with. A minus turns an angle the other way round: clockwise.
+pub(in crate::log) fn scale(role: Role, unit: &str) -> Result<f64, String> {
+    let units: &[(&str, f64)] = match role {
+        Role::T => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
+        Role::Px | Role::Py | Role::X | Role::Y | Role::Range => &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)],
+        Role::Ph | Role::H | Role::Angle => &[
+            ("rad", 1.0),
+            ("deg", std::f64::consts::PI / 180.0),
+            ("-rad", -1.0),
+            ("-deg", -std::f64::consts::PI / 180.0),
+        ],
+        Role::Skip | Role::Scan | Role::Sensor | Role::Label => return Err("it has no unit".into()),
+    };
+    units.iter().find(|(name, _)| *name == unit).map(|(_, scale)| *scale).ok_or_else(|| {
+        let names: Vec<&str> = units.iter().map(|(name, _)| *name).collect();
+        format!("its unit is one of {}", names.join(", "))
+    })
+}

@@ -1,0 +1,102 @@
+//! Poses by time: a robot's way, and where it was at a moment between two of them.
+
+use crate::reading::Pose;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// So long before the first pose and after the last one it holds, seconds.
+const EDGE: f64 = 0.1;
+/// Between poses farther apart than this, seconds, nothing is known of a robot that moved …
+const LONGEST: f64 = 5.0;
+/// … more than this, metres, or turned more than this, radians.
+const STILL: (f64, f64) = (0.05, 0.02);
+
+/// A robot's poses in the order of time, and how many readings found none.
+#[derive(Debug, Clone)]
+pub(super) struct Track {
+    poses: Arc<[(f64, Pose)]>,
+    missed: Arc<AtomicU64>,
+}
+
+impl Track {
+    /// Of poses with their times, seconds, in any order.
+    pub fn of(mut poses: Vec<(f64, Pose)>) -> Track {
+        poses.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Track { poses: poses.into(), missed: Arc::default() }
+    }
+
+    /// How many poses.
+    pub fn len(&self) -> usize {
+        self.poses.len()
+    }
+
+    /// The first and the last time.
+    pub fn span(&self) -> Option<(f64, f64)> {
+        Some((self.poses.first()?.0, self.poses.last()?.0))
+    }
+
+    /// The pose at a time: on the straight way between its neighbours, turned the shorter way round.
+    pub fn at(&self, t: f64) -> Option<Pose> {
+        let next = self.poses.partition_point(|(time, _)| *time < t);
+        let after = self.poses.get(next);
+        let before = next.checked_sub(1).and_then(|i| self.poses.get(i));
+        match (before, after) {
+            (_, Some((time, pose))) if *time == t => Some(*pose),
+            (None, Some((time, pose))) | (Some((time, pose)), None) => ((time - t).abs() <= EDGE).then_some(*pose),
+            (Some((t0, a)), Some((t1, b))) => {
+                let turn = b.heading - a.heading;
+                let turn = turn.sin().atan2(turn.cos());
+                let still = (b.x - a.x).hypot(b.y - a.y) <= STILL.0 && turn.abs() <= STILL.1;
+                if t1 - t0 > LONGEST && !still {
+                    return None;
+                }
+                let part = (t - t0) / (t1 - t0);
+                let between = |a: f64, b: f64| a + part * (b - a);
+                Some(Pose { x: between(a.x, b.x), y: between(a.y, b.y), heading: a.heading + part * turn })
+            }
+            (None, None) => None,
+        }
+    }
+
+    /// Keeps how many readings of a whole pass found no pose.
+    pub fn count_missed(&self, missed: u64) {
+        self.missed.fetch_max(missed, Ordering::Relaxed);
+    }
+
+    /// What to say of them.
+    pub fn note(&self, what: &str) -> Option<String> {
+        let missed = self.missed.load(Ordering::Relaxed);
+        let (first, last) = self.span()?;
+        (missed > 0).then(|| {
+            format!(
+                "{missed} {what} were left out: at their times there is no pose (the {} poses run from {first:.3} to \
+                 {last:.3} s, and are not filled in over more than {LONGEST} s)",
+                self.len()
+            )
+        })
+    }
+}
+
+/// The heading of a rotation given as a quaternion: its turn about the vertical axis.
+pub(super) fn yaw(x: f64, y: f64, z: f64, w: f64) -> f64 {
+    (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn between_poses_and_beside_them() {
+        let pose = |x: f64, heading: f64| Pose { x, y: 2.0 * x, heading };
+        let track = Track::of(vec![(3.0, pose(1.0, -3.0)), (1.0, pose(0.0, 3.0)), (20.0, pose(9.0, -3.0))]);
+        let half = track.at(2.0).unwrap();
+        assert_eq!((half.x, half.y), (0.5, 1.0));
+        // The shorter way round, over π.
+        assert!((half.heading - std::f64::consts::PI).abs() < 1e-12, "{half:?}");
+        assert_eq!(track.at(0.95), Some(pose(0.0, 3.0)));
+        assert_eq!((track.at(0.5), track.at(30.0), track.at(10.0), track.at(f64::NAN)), (None, None, None, None));
+        assert_eq!(track.at(20.0), Some(pose(9.0, -3.0)));
+        assert!((yaw(0.0, 0.0, 0.5f64.sin(), 0.5f64.cos()) - 1.0).abs() < 1e-12);
+    }
+}
