@@ -217,6 +217,10 @@ fn a_folder_whose_files_grow_is_read_as_it_was() {
 fn headers() {
     for (text, what) in [
         ("{\"scan\":0}\n", "the first line must be the header"),
+        ("{\"stamp\":0,\"ranges\":[1]}\n", "it has no \"echogrid_log\"; a log of another kind needs this header"),
+        ("\n# of a robot\n{\"stamp\":0}\n", ":3: the first line must be the header"),
+        ("{\"stamp\":0,\"ranges\":[1]}\n", "; the line is '{\\\"stamp\\\":0,\\\"ranges\\\":[1]}'"),
+        ("{\"echogrid_log\":1,\"sensors\":[}\n", "; the line is '{\\\"echogrid_log"),
         ("{\"echogrid_log\":2,\"sensors\":[{}]}\n", "echogrid_log is 2: this program reads version 1"),
         ("{\"echogrid_log\":1,\"sensors\":[]}\n", "lists no sensors"),
         ("{\"echogrid_log\":1,\"sensor\":[]}\n", "unknown key \"sensor\"; did you mean \"sensors\"?"),
@@ -235,6 +239,8 @@ fn headers() {
         let error = refused(text.as_bytes());
         assert!(error.contains(what), "{text}: {error}");
     }
+    // Blank lines and comments may stand before it.
+    assert_eq!(read(format!("\n  \n# of a robot\n{HEADER}{GOOD}").as_bytes()), (1, Vec::new()));
     // What the header gets wrong, --set may mend.
     let mut options = Options::default();
     options.overrides.set("r_min", "10cm").unwrap();

@@ -3,7 +3,7 @@
 use crate::common::Place;
 
 const BAYES: &str = "model, max_occ, region_one_floor, region_two_floor, p_hit, p_miss, p_occupied, p_empty, beta, r_min, \
-                     r_max, at_r_max, hit_range, no_echo_range, epsilon, mounts";
+                     r_max, at_r_max, hit_range, no_echo_range, epsilon, fov, first_beam, mounts";
 
 #[track_caller]
 fn refused(more: &[&str], message: &str) {

@@ -88,7 +88,7 @@ impl Found {
                 Ok(Line::Other) => {}
                 Err(what) => {
                     let line = lines.number();
-                    found.bad.get_or_insert_with(|| (BadLine { line, what }, 0)).1 += 1;
+                    found.bad.get_or_insert((BadLine { line, what }, 0)).1 += 1;
                 }
             }
         }
