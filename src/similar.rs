@@ -369,7 +369,6 @@ mod tests {
                 ("max_range", r#""r_max""#),
                 ("min-range", r#""r_min""#),
                 ("half_width", r#""beta""#),
-                ("fov", r#""beta" (half of the whole angle)"#),
                 ("eps", r#""epsilon" (half the depth of the arc)"#),
                 ("prob_hit", r#""p_hit""#),
                 ("occ_thresh", r#""p_occupied""#),

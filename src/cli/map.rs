@@ -264,6 +264,7 @@ fn run_info(session: &Session, ran: &Ran, counts: Counts, seconds: Vec<(String, 
         log: LogInfo {
             path: session.log.path().display().to_string(),
             sha256: session.log.sha256()?,
+            beams: session.log.beams(),
             notes: session.notes(),
         },
         sensors: session.sensors().to_vec(),

@@ -77,8 +77,8 @@ fn readings(c: &Counts, session: &Session) -> Vec<String> {
     let mut lines = vec![format!(
         "{} of {} mapped, from {}",
         HumanCount(c.used),
-        count(c.read, "reading"),
-        count(session.survey.scans, "scan")
+        counted(c.read, "reading"),
+        counted(session.survey.scans, "scan")
     )];
     let r = c.rejected;
     let free = sensors.iter().map(|s| s.no_echo_range).fold(0.0, f64::max);
@@ -107,6 +107,11 @@ fn readings(c: &Counts, session: &Session) -> Vec<String> {
         }
     }
     lines
+}
+
+/// A large count of something.
+fn counted(n: u64, what: &str) -> String {
+    format!("{} {what}{}", HumanCount(n), if n == 1 { "" } else { "s" })
 }
 
 /// A value that all sensors share.

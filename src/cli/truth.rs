@@ -55,7 +55,7 @@ impl Command {
         let class = true_map(&world, &world.scans(), &grid, r_max);
         let info = RunInfo {
             parameters: output::parameters([("resolution", grid.resolution.to_string()), ("r_max", r_max.to_string())]),
-            log: LogInfo { path: self.world.display().to_string(), sha256: world.sha256.clone(), notes: Vec::new() },
+            log: LogInfo { path: self.world.display().to_string(), sha256: world.sha256.clone(), ..LogInfo::default() },
             backend: "cpu".into(),
             ..RunInfo::default()
         };

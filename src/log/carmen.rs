@@ -88,8 +88,14 @@ impl Source for CarmenLog {
         self.found.notes()
     }
 
-    fn beams_origin(&self, sensor: usize) -> Option<String> {
-        self.found.lasers.get(sensor).map(|laser| laser.origin.clone())
+    fn beams_origin(&self, sensor: usize) -> Option<(String, bool)> {
+        let laser = self.found.lasers.get(sensor)?;
+        let plain = ["its messages", "the number of beams"].contains(&laser.origin.as_str());
+        Some((laser.origin.clone(), plain))
+    }
+
+    fn silence(&self, sensor: usize) -> Option<String> {
+        self.found.silence(sensor)
     }
 
     fn inputs(&self) -> Vec<&Input> {

@@ -76,8 +76,12 @@ pub(crate) trait Source: Send + Sync {
     fn has_preset(&self) -> bool {
         false
     }
-    /// Where the layout of a sensor's beams comes from, if it is worth saying.
-    fn beams_origin(&self, _sensor: usize) -> Option<String> {
+    /// Where the layout of a sensor's beams comes from, and whether that is plain: nothing that a user should look at.
+    fn beams_origin(&self, _sensor: usize) -> Option<(String, bool)> {
+        None
+    }
+    /// What of a sensor's ranges is taken for no return, if any is, in a whole sentence.
+    fn silence(&self, _sensor: usize) -> Option<String> {
         None
     }
     /// Names of the class labels 1, 2, …

@@ -222,19 +222,35 @@ impl Log {
         &self.mapping
     }
 
-    /// What a user should know of how it is read, in whole sentences; complete after the first pass over it.
-    pub fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
+    /// How the beams of its lasers lie, and by what, in whole sentences.
+    pub fn beams(&self) -> Vec<String> {
+        self.layouts().into_iter().map(|layout| layout.0).collect()
+    }
+
+    /// The same, each with whether it is plain.
+    fn layouts(&self) -> Vec<(String, bool)> {
+        let mut layouts = Vec::new();
         for (i, (mounted, described)) in self.sensors.iter().zip(self.source.sensors()).enumerate() {
-            let (Some(beams), Some(origin)) = (mounted.beams, self.source.beams_origin(i)) else { continue };
+            let (Some(beams), Some((origin, plain))) = (mounted.beams, self.source.beams_origin(i)) else { continue };
             let own = described.first == Some(beams.first) && described.step == Some(beams.step);
             let origin = if own { origin } else { "--set or the sensor file".into() };
             // Angles as a user writes them, without the last digits' noise.
             let degrees = |angle: f64| (angle.to_degrees() * 1e4).round() / 1e4;
             let (id, count, first, step) = (&mounted.sensor.id, beams.count, degrees(beams.first), degrees(beams.step));
             let span = degrees(beams.step * f64::from(count.saturating_sub(1)));
-            notes.push(format!("{id}: {count} beams over {span}°, {step}° apart, the first at {first}°, by {origin}."));
+            let text = format!("{id}: {count} beams over {span}°, {step}° apart, the first at {first}°, by {origin}.");
+            layouts.push((text, plain && own));
         }
+        layouts
+    }
+
+    /// What a user should know of how it is read, in whole sentences; complete after the first pass over it.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes: Vec<String> = self.layouts().into_iter().filter(|(_, plain)| !plain).map(|l| l.0).collect();
+        // Where the user has said where the scale ends, that counts.
+        let own =
+            self.sensors.iter().zip(self.source.sensors()).map(|(m, d)| d.r_max.is_none_or(|r| r == m.sensor.r_max));
+        notes.extend(own.enumerate().filter(|(_, own)| *own).filter_map(|(i, _)| self.source.silence(i)));
         notes.extend(self.source.notes());
         let inputs = self.source.inputs();
         let of = |input: &&Input| -> Vec<String> {

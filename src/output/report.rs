@@ -46,6 +46,8 @@ pub struct LogInfo {
     pub path: String,
     /// The SHA-256 of its bytes, in hexadecimal.
     pub sha256: String,
+    /// How the beams of its lasers lie, and by what.
+    pub beams: Vec<String>,
     /// How it was read, where a user should know: codes taken for a missing return, messages left out, doubts.
     pub notes: Vec<String>,
 }

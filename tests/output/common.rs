@@ -37,7 +37,7 @@ pub fn map(width: usize, height: usize) -> Map {
 pub fn info() -> RunInfo {
     RunInfo {
         parameters: parameters([("model", "murphy".to_string()), ("max_occ", "0.98".to_string())]),
-        log: LogInfo { path: "logs/a.csv".into(), sha256: "ab".repeat(32), notes: Vec::new() },
+        log: LogInfo { path: "logs/a.csv".into(), sha256: "ab".repeat(32), ..LogInfo::default() },
         sensors: Vec::new(),
         readings: Counts { read: 9, used: 7, ..Counts::default() },
         busy: Vec::new(),

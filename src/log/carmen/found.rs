@@ -180,8 +180,6 @@ impl Found {
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for laser in &self.lasers {
-            let parameters = &self.parameters[usize::from(laser.layout.tag.rear())];
-            notes.extend(laser.silence(laser.layout.cap.or(parameters.cap)));
             notes.extend(laser.zeros());
             if laser.timeless > 0 {
                 let (id, n) = (&laser.id, laser.timeless);
@@ -205,6 +203,12 @@ impl Found {
         notes.extend(self.rear.note());
         notes.extend(self.left_out().map(|what| format!("Left out: {what}.")));
         notes
+    }
+
+    /// What of a laser's ranges is taken for no return, if any is.
+    pub fn silence(&self, laser: usize) -> Option<String> {
+        let laser = self.lasers.get(laser)?;
+        laser.silence(laser.layout.cap.or(self.parameters[usize::from(laser.layout.tag.rear())].cap))
     }
 
     /// The messages with ranges that are not read: how many, and why.
@@ -235,6 +239,9 @@ impl Laser {
     /// What is taken for no return.
     fn silence(&self, declared: Option<f64>) -> Option<String> {
         let (count, most) = self.ranges.beyond(self.r_max);
+        if count == 0 {
+            return None;
+        }
         let mut what = Vec::new();
         if !self.codes.is_empty() {
             let codes: Vec<String> = self.codes.iter().map(|c| format!("{} m ({})", c.range, c.count)).collect();
@@ -247,7 +254,7 @@ impl Laser {
             Some(declared) if declared > FARTHEST && self.r_max == FARTHEST => what.push(format!(
                 "ranges from 80 m on are no return, though the log declares {declared} m: lasers of this kind write their codes there"
             )),
-            _ if what.is_empty() && count > 0 => {
+            _ if what.is_empty() => {
                 what.push(format!("ranges from 80 m on are no return, most often {most} m"));
             }
             _ => {}
