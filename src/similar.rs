@@ -68,7 +68,7 @@ const SYNONYMS: &[(&[&str], &[&str], &str)] = &[
             "value",
             "length",
         ],
-        &["z", "r_max"],
+        &["z", "ranges", "r_max"],
         "",
     ),
     (

@@ -24,9 +24,12 @@ fn pose(k: usize) -> Pose {
 fn cast(at: &Pose, bearing: f64) -> f64 {
     let (s, c) = (at.heading + bearing).sin_cos();
     let [x0, y0, x1, y1] = ROOM;
-    let x = if c > 0.0 { (x1 - at.x) / c } else { (x0 - at.x) / c };
-    let y = if s > 0.0 { (y1 - at.y) / s } else { (y0 - at.y) / s };
-    x.min(y)
+    // Along a wall it is never met.
+    let to = |low: f64, high: f64, at: f64, along: f64| match along {
+        0.0 => f64::INFINITY,
+        along => (if along > 0.0 { high - at } else { low - at }) / along,
+    };
+    to(x0, x1, at.x, c).min(to(y0, y1, at.y, s))
 }
 
 fn bearings(n: usize, first: f64, step: f64) -> Vec<f64> {
@@ -702,7 +705,7 @@ fn what_is_wrong_with_fields_is_said() {
         ("pose=P,fov=90deg", "name the readings"),
         ("pose=Q,ranges=R,fov=90deg", "pose: there is no variable 'Q'"),
         ("pose=P,ranges=R,angles=A", "2 ranges, but 1 angles"),
-        ("pose=P,range=R,fov=1", "'range' is no key; did you mean \"ranges\"?"),
+        ("pose=P,range=R,fov=1", "'range' is no key; did you mean \"ranges\""),
         ("pose=P,ranges=R(:,5),fov=1", "has no (:,5)"),
         ("pose=P,ranges=R.z,fov=1", "has no field 'z'"),
         ("pose=R,ranges=R,fov=1", "pose is 1 × 2 numbers, not 3 × N or N × 3"),

@@ -90,7 +90,7 @@ impl Source for CarmenLog {
 
     fn beams_origin(&self, sensor: usize) -> Option<(String, bool)> {
         let laser = self.found.lasers.get(sensor)?;
-        let plain = ["its messages", "the number of beams"].contains(&laser.origin.as_str());
+        let plain = !laser.origin.contains("assumption") && !laser.origin.contains(';');
         Some((laser.origin.clone(), plain))
     }
 

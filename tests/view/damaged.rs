@@ -13,7 +13,7 @@ const SHARD: &str = "m/map.zarr/p_occ/c/0/0";
 
 fn made() -> Place {
     let place = Place::new();
-    place.map("m", &["-r", "0.01"]);
+    place.map("m", &["-r", "0.005"]);
     place
 }
 

@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// The small log in cells of 1 cm: some tiles across.
+/// The small log in cells of 5 mm: some tiles across.
 fn fine(place: &Place, folder: &str, more: &[&str]) {
-    place.map(folder, &[&["-r", "0.01"], more].concat());
+    place.map(folder, &[&["-r", "0.005"], more].concat());
 }
 
 #[test]
@@ -136,7 +136,8 @@ fn another_map_lies_where_it_belongs_and_the_difference_is_between_the_same_plac
     let a = read_map(&place.path("a")).unwrap().map;
     for other in ["b", "c"] {
         let b = read_map(&place.path(other)).unwrap().map;
-        let first = [(b.grid.x0() - a.grid.x0()) / 0.01, (b.grid.y0() - a.grid.y0()) / 0.01].map(|n| n.round() as i64);
+        let first =
+            [(b.grid.x0() - a.grid.x0()) / 0.005, (b.grid.y0() - a.grid.y0()) / 0.005].map(|n| n.round() as i64);
         let view = beside(&place.path("a"), &place.path(other));
         let session = json(&view, "api/session", "");
         assert_eq!(session["sources"][1]["name"], other);

@@ -82,7 +82,7 @@ impl RosMap {
             .collect();
         let [x, y, _] = about.origin;
         let grid = GridSpec { anchor: (x, y), resolution: about.resolution, i0: 0, j0: 0, width, height };
-        let (grid, cells) = (0..quarters).fold((grid, cells), turned);
+        let (grid, cells) = (0..quarters).fold((grid, cells), |map, _| turned(map, grid.anchor));
         Ok(RosMap { map: map(grid, &cells, &about), notes: about.notes })
     }
 }
@@ -155,11 +155,12 @@ fn quarters(path: &Path, about: &About, picture: &Picture) -> Result<usize> {
     ))
 }
 
-/// A grid and its cells, turned by a quarter counter-clockwise about the grid's lower left corner.
-fn turned((grid, cells): (GridSpec, Vec<Option<f64>>), _: usize) -> (GridSpec, Vec<Option<f64>>) {
+/// A grid and its cells, turned by a quarter counter-clockwise about a point.
+fn turned((grid, cells): (GridSpec, Vec<Option<f64>>), (x, y): (f64, f64)) -> (GridSpec, Vec<Option<f64>>) {
     let (width, height) = (grid.height, grid.width);
-    // the corner stays where it is, then the lower right one, now at the top, follows
-    let anchor = (grid.anchor.0 - width as f64 * grid.resolution, grid.anchor.1);
+    // the upper left corner becomes the lower left one
+    let top = grid.anchor.1 + width as f64 * grid.resolution;
+    let anchor = (x - (top - y), y + (grid.anchor.0 - x));
     let from = |k: usize| (width - 1 - k % width) * grid.width + k / width;
     let cells = (0..cells.len()).map(|k| cells[from(k)]).collect();
     (GridSpec { anchor, width, height, ..grid }, cells)
