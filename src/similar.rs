@@ -410,8 +410,12 @@ mod tests {
         let sets =
             REGISTRY.iter().flat_map(|e| Settings::of(e.name).unwrap().keys()).chain(OVERRIDE_KEYS).map(|k| k.name);
         let methods = REGISTRY.iter().map(|e| e.name);
-        let known: Vec<&str> =
-            sets.chain(methods).chain(COLUMNS).chain(SENSOR).chain(["step", "first", "beams", "class"]).collect();
+        let known: Vec<&str> = sets
+            .chain(methods)
+            .chain(COLUMNS)
+            .chain(SENSOR)
+            .chain(["step", "first", "beams", "class", "ranges"])
+            .collect();
         for (words, names, _) in SYNONYMS {
             for name in *names {
                 assert!(known.contains(name), "{name}");

@@ -2,6 +2,7 @@
 
 mod covered;
 mod doubts;
+mod way;
 
 use crate::log::{Log, Problem};
 use crate::output::BadLines;
@@ -13,12 +14,10 @@ pub use covered::Spread;
 use covered::Covered;
 use doubts::Doubts;
 use std::path::Path;
+use way::Way;
 
 /// Bad lines that are quoted.
 const QUOTED: usize = 3;
-
-/// A step between two readings, metres, that no robot takes.
-const SUSPICIOUS: f64 = 100.0;
 
 /// What a first pass over a log found.
 #[derive(Debug, Clone)]
@@ -39,8 +38,8 @@ pub struct Survey {
     pub ignored: u64,
     /// What of the ranges should make a user doubt the sensors' limits, in whole sentences.
     pub notes: Vec<String>,
-    /// The robot's largest step between two readings: metres, the second's line and pose.
-    pub jump: (f64, u64, Pose),
+    /// The robot's largest step between two readings, if it is so long that a pose may be wrong: metres, the second's line and pose.
+    pub jump: Option<(f64, u64, Pose)>,
 }
 
 /// What a survey needs to know of the run.
@@ -70,11 +69,11 @@ pub fn survey(log: &Log, sensors: &[Sensor], look: &Look) -> Result<Survey> {
         bad_lines: BadLines::default(),
         ignored: 0,
         notes: Vec::new(),
-        jump: (0.0, 0, Pose::default()),
+        jump: None,
     };
     let mut records = log.records()?;
     let (mut covered, mut doubts) = (Covered::nothing(), Doubts::of(sensors.len()));
-    let (mut scan, mut last): (Option<u64>, Option<Pose>) = (None, None);
+    let (mut scan, mut way) = (None, Way::new());
     while survey.counts.used < look.until {
         let record = match records.next() {
             None => break,
@@ -100,17 +99,14 @@ pub fn survey(log: &Log, sensors: &[Sensor], look: &Look) -> Result<Survey> {
             scan = Some(record.scan);
             survey.scans += 1;
         }
-        let at = record.robot;
-        let step = last.map_or(0.0, |l: Pose| (at.x - l.x).hypot(at.y - l.y));
-        if step > survey.jump.0 {
-            survey.jump = (step, record.line, at);
-        }
-        last = Some(at);
+        way.go(record.robot, record.line);
         covered.add(&reading, sensor, look.resolution, look.spread);
     }
     survey.ignored = records.ignored();
     survey.covered = covered.corners();
+    survey.jump = way.jump();
     survey.notes = doubts.tell(sensors, look.r_max_set);
+    survey.notes.extend(way.degrees());
     Ok(survey)
 }
 
@@ -125,7 +121,7 @@ impl Survey {
 
     /// The line of the robot's largest step and what happens there, if it is so long that a pose may be wrong.
     pub fn jump(&self) -> Option<(u64, String)> {
-        let (step, line, Pose { x, y, .. }) = self.jump;
-        (step >= SUSPICIOUS).then(|| (line, format!("the robot's pose jumps {step:.0} m, to ({x}, {y})")))
+        let (step, line, Pose { x, y, .. }) = self.jump?;
+        Some((line, format!("the robot's pose jumps {step:.0} m, to ({x}, {y})")))
     }
 }

@@ -392,3 +392,19 @@ fn many_zeros_are_told() {
     assert_eq!(on_the_walls(&log, 181, &[1]).rejected.below_r_min, 19);
     noted(&log, "19 of 181 readings are 0 or less");
 }
+
+#[test]
+fn a_line_that_the_file_ends_within_is_no_reading() {
+    let whole = "FLASER 4 1.5 2.5 3.0 3.5 0 0 0 0 0 0 1.0 h 1.0\n".repeat(3);
+    // cut behind the odometry's heading, of which a digit may be missing
+    let cut = format!("{whole}FLASER 4 1.5 2.5 3.0 3.5 0 0 0 0 0 3.");
+    let log = Log::read(cut.as_bytes(), &Options::default()).unwrap();
+    let (good, bad): (Vec<_>, Vec<_>) = log.records().unwrap().partition(Result::is_ok);
+    assert_eq!(good.len(), 12);
+    assert_eq!(bad[0].as_ref().unwrap_err().to_string(), "line 4: the file ends within this line");
+    assert!(log.notes().iter().all(|note| !note.contains("time stamp")), "{:?}", log.notes());
+    // where no message has a time none is cut for want of it
+    let timeless = "FLASER 4 1.5 2.5 3.0 3.5 0 0 0 0 0 0\n".repeat(3);
+    let log = Log::read(timeless.trim_end().as_bytes(), &Options::default()).unwrap();
+    assert_eq!(log.records().unwrap().filter(Result::is_ok).count(), 12);
+}

@@ -135,7 +135,10 @@ impl Scans for Pass {
             },
         };
         let done = match parsed {
-            Ok(Line::Laser(message)) => self.emit(&message, number, items),
+            Ok(Line::Laser(message)) => match self.lines.cut() && message.t.is_none() && self.found.timed(&message) {
+                true => Err("the file ends within this line".into()),
+                false => self.emit(&message, number, items),
+            },
             Ok(_) => Ok(false),
             Err(what) => Err(what),
         };

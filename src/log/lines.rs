@@ -17,17 +17,24 @@ pub(crate) struct Lines {
     buffer: Vec<u8>,
     number: u64,
     ended: bool,
+    /// Whether the file ends within the last line: nothing ends it.
+    cut: bool,
 }
 
 impl Lines {
     /// Lines of `reader`; `path` is for messages.
     pub fn new(reader: Box<dyn BufRead + Send>, path: &Path) -> Self {
-        Lines { reader, path: path.into(), buffer: Vec::new(), number: 0, ended: false }
+        Lines { reader, path: path.into(), buffer: Vec::new(), number: 0, ended: false, cut: false }
     }
 
     /// The number of the line that [`Lines::next`] gave last, from 1.
     pub fn number(&self) -> u64 {
         self.number
+    }
+
+    /// Whether the file ends within the line that [`Lines::next`] gave last.
+    pub fn cut(&self) -> bool {
+        self.cut
     }
 
     /// The next line, without its end; `None` after the last.
@@ -43,7 +50,7 @@ impl Lines {
                 self.ended = true;
                 return None;
             }
-            Ok(_) => {}
+            Ok(_) => self.cut = !self.buffer.ends_with(b"\n"),
             Err(error) => return Some(Err(self.fatal(&error))),
         }
         if self.buffer.len() > LONGEST && !self.buffer.ends_with(b"\n") {

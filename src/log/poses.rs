@@ -80,6 +80,14 @@ impl Source for Posed {
         self.source.classes()
     }
 
+    fn beams_origin(&self, sensor: usize) -> Option<(String, bool)> {
+        self.source.beams_origin(sensor)
+    }
+
+    fn silence(&self, sensor: usize) -> Option<String> {
+        self.source.silence(sensor)
+    }
+
     fn notes(&self) -> Vec<String> {
         let own = self.notes.iter().cloned().chain(self.track.note("readings"));
         self.source.notes().into_iter().chain(own).collect()

@@ -11,6 +11,9 @@ const LOOKED_AT: usize = 200;
 /// Logs of a folder that are named.
 const NAMED: usize = 8;
 
+/// Numbers in a row from which they are a laser's beams.
+const MANY: usize = 16;
+
 const BAG: &str = "bags aren't read: write their topics as text, rostopic echo -p -b FILE /scan > scan.csv and the same of /odom > \
                    odom.csv, then map scan.csv --poses odom.csv";
 const BAG2: &str = "bags aren't read: play it (ros2 bag play FOLDER) and write its topics as text, ros2 topic echo --csv --full-length \
@@ -81,6 +84,12 @@ pub(super) fn binary(path: &Path, head: &[u8]) -> Option<Error> {
     let first = head.get(..head.len().min(128)).unwrap_or_default();
     let has = |word: &[u8]| first.windows(word.len()).any(|w| w == word);
     if head.starts_with(b"PK\x03\x04") {
+        if has(b"[Content_Types].xml") || has(b"xl/") || has(b"_rels/") || has(b"mimetypeapplication") {
+            return is(
+                "a workbook or a document (.xlsx, .ods, .docx)",
+                "save the sheet as CSV, and name its columns with --columns",
+            );
+        }
         return match has(b".npy") {
             true => is(
                 "NumPy arrays (.npz)",
@@ -99,6 +108,30 @@ pub(super) fn binary(path: &Path, head: &[u8]) -> Option<Error> {
             "rawlogs aren't read: export it as text (rawlog-edit --export-2d-scans-txt, --export-odometry-txt), or write JSON Lines \
              (docs/formats.md)",
         );
+    }
+    None
+}
+
+/// Texts that are no logs, by what they begin with or hold, and what to do about them.
+fn kind(text: &str) -> Option<(&'static str, &'static str)> {
+    let start = text.trim_start();
+    let begins = |word: &str| start.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
+    let has = |word: &str| text.lines().take(400).any(|line| line.trim_start().starts_with(word));
+    if begins("<!doctype html") || begins("<html") {
+        return Some((
+            "a web page, as a download that failed leaves it",
+            "fetch the file itself again (of GitHub the raw one)",
+        ));
+    }
+    if begins("version https://git-lfs") {
+        return Some(("a pointer of Git LFS, not the file", "fetch the file itself (git lfs pull)"));
+    }
+    if has("stamp:") && (has("angle_min:") || has("ranges:") || has("range:") || has("pose:")) {
+        return Some((
+            "a ROS topic echoed as YAML",
+            "write it as CSV: rostopic echo -p /scan > scan.csv, or ros2 topic echo --csv --full-length /scan > scan.csv, the same of \
+             /odom, then map scan.csv --poses odom.csv",
+        ));
     }
     None
 }
@@ -124,6 +157,9 @@ pub(super) fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
     if odd * 50 > head.len() || head.contains(&0) {
         return Error::input(path, format!("is binary, not a log. Known are: {known}"));
     }
+    if let Some((what, remedy)) = kind(text) {
+        return Error::input(path, format!("is {what}: {remedy}"));
+    }
     let plain = |line: &&str| {
         let line = line.trim();
         !line.is_empty() && !line.starts_with('#') && !line.starts_with('%')
@@ -140,12 +176,23 @@ pub(super) fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
         return table::unnamed(path, number, line, "its columns are not those of a log that is known");
     }
     if numbers > 1 {
-        let example = match cells.len() {
-            2..=4 => "t,range,- beside --poses FILE",
-            5 => "t,x,y,heading,range",
-            _ => "t,x,y,heading,range*8,-",
-        };
         let count = cells.len();
+        let values: Vec<f64> = cells.iter().filter_map(|cell| rows.number(cell)).collect();
+        if let [_, _, _, _, a, b, c, d] = values[..]
+            && (a * a + b * b + c * c + d * d - 1.0).abs() < 1e-3
+        {
+            let what = "looks like poses with quaternions (TUM: t x y z qx qy qz qw), not like a log: give it by --poses beside the log \
+                        whose poses it holds";
+            return Error::input(path, what);
+        }
+        let example = match count {
+            2 => "angle:deg,range beside --poses FILE".into(),
+            3 => "t,range,- beside --poses FILE".into(),
+            4 => "x,y,heading,range".into(),
+            5 => "t,x,y,heading,range".into(),
+            _ if count < MANY => format!("t,x,y,heading,range,-*{}", count - 5),
+            _ => format!("t,x,y,heading,range*{} --sensor laser --set fov=180deg", count - 4),
+        };
         return Error::input(
             path,
             format!(

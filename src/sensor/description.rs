@@ -89,8 +89,13 @@ impl Description {
             ("beams", Value::Number(n)) if n.fract() == 0.0 && (2.0..=1e6).contains(n) => self.beams = Some(*n as u32),
             ("beams", _) => return Err(wrong("takes a whole number from 2".into())),
             _ => {
-                let read = if matches!(key, "axis" | "half_width" | "first" | "step") { angle } else { length };
+                let angles = matches!(key, "axis" | "half_width" | "first" | "step");
+                let read = if angles { angle } else { length };
                 let number = match value {
+                    // 90 for a right angle is a slip that would go unseen.
+                    Value::Number(number) if angles && number.is_finite() && number.abs() > AROUND => {
+                        return Err(wrong(format!("is in radians: write \"{number}deg\"")));
+                    }
                     Value::Number(number) if number.is_finite() => *number,
                     Value::Number(number) => read(&number.to_string()).map_err(wrong)?,
                     Value::Text(text) => read(text).map_err(wrong)?,
@@ -230,11 +235,11 @@ pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
     };
     match (fine, key) {
         (true, _) => Ok(()),
-        (_, "half_width" | "beta") => Err("takes 0 to 60deg (1.0472)".into()),
+        (_, "half_width" | "beta") => Err("takes 0 to 60deg (1.0472; a plain number is in radians)".into()),
         (_, "r_min" | "no_echo_range") => Err("takes 0 to 1e6 m".into()),
         (_, "r_max" | "hit_range" | "epsilon") => Err("takes more than 0, up to 1e6 m".into()),
-        (_, "fov") => Err("takes an angle above 0, up to 360deg".into()),
-        (_, "first_beam") => Err("takes -360deg to 360deg".into()),
+        (_, "fov") => Err("takes an angle above 0, up to 360deg (a plain number is in radians: write 180deg)".into()),
+        (_, "first_beam") => Err("takes -360deg to 360deg (a plain number is in radians: write -90deg)".into()),
         (_, "step") => Err("takes an angle other than 0".into()),
         _ => Err("takes -1e6 to 1e6".into()),
     }

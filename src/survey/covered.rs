@@ -39,6 +39,13 @@ impl Covered {
         if self.holds([pose.x - most, pose.y - most, pose.x + most, pose.y + most]) {
             return;
         }
+        // No point of the cone is farther from its axis than the arc from the axis to an edge is long.
+        let (sine, cosine) = pose.heading.sin_cos();
+        let (tip, around) = ((pose.x + reach * cosine, pose.y + reach * sine), reach.max(0.0) * beta + beside);
+        let (low, high) = ((pose.x.min(tip.0), pose.y.min(tip.1)), (pose.x.max(tip.0), pose.y.max(tip.1)));
+        if self.holds([low.0 - around, low.1 - around, high.0 + around, high.1 + around]) {
+            return;
+        }
         let mut put = |x: f64, y: f64| self.grow(x, y, beside);
         put(pose.x, pose.y);
         let ray = |(sine, cosine): (f64, f64), put: &mut dyn FnMut(f64, f64)| {

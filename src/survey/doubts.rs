@@ -2,7 +2,7 @@
 //! which are most likely silence in disguise.
 
 use crate::reading::{Outcome, Reading, Record, Unused};
-use crate::sensor::Sensor;
+use crate::sensor::{Kind, Sensor};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Share of a sensor's ranges from which a doubt is told.
@@ -13,6 +13,8 @@ const FEWEST: u64 = 20;
 const MEASURED: usize = 16;
 /// Largest ranges that are kept apart, with how often each came.
 const LARGEST: usize = 16;
+/// So many times as far as r_max the ranges of a sonar are most likely in another unit.
+const OTHER_UNIT: f64 = 10.0;
 /// A heap is so many times as high as any of the ranges just below it.
 const HEAP: u64 = 5;
 
@@ -21,6 +23,8 @@ const HEAP: u64 = 5;
 struct Ranges {
     /// Finite ranges, from `r_min` on.
     finite: u64,
+    /// Readings of 0.
+    zeros: u64,
     /// Readings that the log itself marks as without echo.
     silent: u64,
     /// Finite ranges beyond `r_max`: how many, the largest, and some of their values, mm.
@@ -29,6 +33,8 @@ struct Ranges {
     values: BTreeSet<u64>,
     /// The largest ranges of hits, bits of metres, with how often each came.
     largest: BTreeMap<u64, u64>,
+    /// The least of them once they are as many as are kept; 0 before.
+    least: u64,
 }
 
 /// What speaks against the limits of a log's sensors.
@@ -49,6 +55,7 @@ impl Doubts {
             ranges.silent += 1;
             return;
         }
+        ranges.zeros += u64::from(z == 0.0);
         if !(z.is_finite() && z >= sensor.r_min) {
             return;
         }
@@ -70,6 +77,7 @@ impl Doubts {
         for (ranges, sensor) in self.0.iter().zip(sensors) {
             told.extend(ranges.exceeded(sensor).filter(|_| !r_max_set));
             told.extend(ranges.heap(sensor));
+            told.extend(ranges.none(sensor));
         }
         // A ring of many sensors has one doubt, not one a sensor.
         const TOLD: usize = 3;
@@ -86,13 +94,15 @@ impl Ranges {
     /// Keeps the largest ranges apart. For positive numbers the order of the bits is that of the values.
     fn keep(&mut self, z: f64) {
         let bits = z.to_bits();
-        if let Some(times) = self.largest.get_mut(&bits) {
-            *times += 1;
-        } else if self.largest.len() < LARGEST || self.largest.keys().next().is_some_and(|least| bits > *least) {
-            self.largest.insert(bits, 1);
-            if self.largest.len() > LARGEST {
-                self.largest.pop_first();
-            }
+        if bits < self.least {
+            return;
+        }
+        *self.largest.entry(bits).or_default() += 1;
+        if self.largest.len() > LARGEST {
+            self.largest.pop_first();
+        }
+        if self.largest.len() == LARGEST {
+            self.least = self.largest.keys().next().copied().unwrap_or_default();
         }
     }
 
@@ -100,11 +110,31 @@ impl Ranges {
         let many = self.beyond as f64 >= SHARE * self.finite as f64 && self.values.len() == MEASURED;
         many.then(|| {
             let (id, n, of, far) = (&sensor.id, self.beyond, self.finite, self.farthest);
+            if sensor.kind == Kind::Sonar && far >= OTHER_UNIT * sensor.r_max {
+                return format!(
+                    "{n} of {of} ranges of sensor {id} lie beyond its r_max of {} m, up to {far:.0}: most likely they are not metres; \
+                     say their unit (range:cm or range:mm in --columns), or convert them",
+                    brief(sensor.r_max)
+                );
+            }
             format!(
                 "{n} of {of} ranges of sensor {id} lie beyond its r_max of {} m, up to {far:.1} m, and count as without echo; \
                  if the sensor sees that far, say so: --set r_max={}",
                 brief(sensor.r_max),
                 far.ceil()
+            )
+        })
+    }
+
+    fn none(&self, sensor: &Sensor) -> Option<String> {
+        let (zeros, all) = (self.zeros, self.finite + self.zeros);
+        let many =
+            zeros >= FEWEST && zeros as f64 >= SHARE * all as f64 && sensor.kind == Kind::Sonar && sensor.r_min > 0.0;
+        many.then(|| {
+            format!(
+                "{zeros} of {all} ranges of sensor {} are 0, which many sonars write where nothing was heard: they are rejected, and free \
+                 nothing",
+                sensor.id
             )
         })
     }

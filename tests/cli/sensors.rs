@@ -166,7 +166,7 @@ fn the_default_bounds_hold_what_is_reached_and_little_else() {
     for (method, least) in [("bayes", 0.4), ("certainty", 0.4), ("himm", 0.1)] {
         fits(&place, &["room.jsonl", "-m", method], least);
     }
-    fits(&place, &["room.jsonl", "-m", "features"], 0.3);
+    fits(&place, &["room.jsonl", "-m", "features"], 0.15);
     let scans: String = (0..40)
         .map(|k| {
             let ray = |b: i32| {
@@ -208,3 +208,42 @@ fn the_default_bounds_hold_what_is_reached_and_little_else() {
 }
 
 const ROOM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/room.toml");
+
+#[test]
+fn units_and_poses_that_are_most_likely_wrong_are_told() {
+    let place = Place::new();
+    // A robot that turns while it drives along x, in a room of 3 m; `turn`: its heading's step, `unit`: of the ranges.
+    let table = |turn: f64, around: f64, unit: f64, jump: f64| -> String {
+        let row = |k: i32| {
+            let t = f64::from(k);
+            let x = 0.05 * t + if k > 60 { jump } else { 0.0 };
+            format!("{t},{x},0,{},{}\n", (turn * t) % around, (1.0 + 0.01 * f64::from(k % 97)) * unit)
+        };
+        "t,x,y,heading,range\n".to_string() + &(0..120).map(row).collect::<String>()
+    };
+    let said = |text: String| {
+        place.write("t.csv", text);
+        let columns = ["--columns", "t,x,y,heading,range", "-r", "0.1", "--backend", "cpu", "-q"];
+        place.run(&[&["map", "t.csv", "-o", "t"][..], &columns].concat()).err
+    };
+    let tau = std::f64::consts::TAU;
+    assert_eq!(said(table(0.2, tau, 1.0, 0.0)), "");
+    assert!(said(table(11.5, 360.0, 1.0, 0.0)).contains("most likely they are degrees"));
+    assert!(said(table(0.2, tau, 100.0, 0.0)).contains("most likely they are not metres; say their unit (range:cm"));
+    assert!(said(table(0.2, tau, 1.0, 8.0)).contains("t.csv:63: the robot's pose jumps 8 m"));
+    // Zeros are silence to many sonars.
+    let zeros = table(0.2, tau, 1.0, 0.0).replace(",1\n", ",0\n").replace(",1.5\n", ",0\n");
+    assert_eq!(said(zeros.clone()), "");
+    let many = zeros.lines().map(|l| {
+        if l.ends_with('7') { l.rsplit_once(',').unwrap().0.to_string() + ",0\n" } else { l.to_string() + "\n" }
+    });
+    assert!(said(many.collect()).contains("are 0, which many sonars write where nothing was heard"));
+    // A plain 90 in a sensor file is no right angle.
+    place.write("s.toml", "[[sensor]]\naxis = 90\n");
+    let ran = place.run(&["map", "t.csv", "-o", "t", "--columns", "t,x,y,heading,range", "--sensor-file", "s.toml"]);
+    assert_eq!(
+        (ran.code, ran.err.contains("s.toml:2: axis = 90: axis is in radians: write \"90deg\"")),
+        (3, true),
+        "{ran:?}"
+    );
+}

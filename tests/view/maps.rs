@@ -168,7 +168,7 @@ fn another_map_lies_where_it_belongs_and_the_difference_is_between_the_same_plac
         assert_eq!(told, wanted, "{cell}");
     }
     // half a cell away: shown, but there is no difference
-    fine(&place, "half", &["--bounds", "-0.355,-0.57,2.5,1.8"]);
+    fine(&place, "half", &["--bounds", "-0.3525,-0.57,2.5,1.8"]);
     let view = beside(&place.path("a"), &place.path("half"));
     let session = json(&view, "api/session", "");
     assert_eq!((&session["difference"], &session["sources"][1]["aligned"]), (&Value::Null, &json!(false)));

@@ -83,7 +83,12 @@ impl Found {
                 Err(Problem::Fatal(error)) => return Err(error),
             };
             match parsed {
-                Ok(Line::Laser(message)) => found.add(&message, &ranges),
+                Ok(Line::Laser(message)) => {
+                    // What the file ends within may lack its last digits: the pass says so.
+                    if !(lines.cut() && message.t.is_none() && found.timed(&message)) {
+                        found.add(&message, &ranges);
+                    }
+                }
                 Ok(Line::Unread(name)) => found.skip(name.into(), 1, "echogrid does not read them"),
                 Ok(Line::Other) => {}
                 Err(what) => {
@@ -100,6 +105,11 @@ impl Found {
         if self.skipped.len() < MOST_NAMES || self.skipped.contains_key(&name) {
             self.skipped.entry(name).or_insert((0, why)).0 += count;
         }
+    }
+
+    /// Whether all messages so far of this laser have a time stamp.
+    pub fn timed(&self, message: &Message) -> bool {
+        self.lasers.iter().any(|l| l.layout == message.layout && l.timeless == 0)
     }
 
     fn add(&mut self, message: &Message, ranges: &[f64]) {

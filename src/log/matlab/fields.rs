@@ -97,6 +97,9 @@ pub(super) fn parse(text: &str) -> Read_<Vec<Field>> {
         (false, false) => {
             Err("name the readings: ranges=… (with angles, or first and step, or fov), or points=…".into())
         }
+        (true, false) if has("fov") && (has("first") || has("step") || has("angles")) => {
+            Err("fov lays the beams evenly about the axis: leave it out beside angles, first and step".into())
+        }
         (true, false) if !has("angles") && !has("fov") && !(has("first") && has("step")) => {
             Err("ranges need the beams' bearings: angles=…, or first=… and step=…, or fov=180deg".into())
         }

@@ -126,8 +126,9 @@ pub(super) fn unnamed(path: &Path, line: u64, header: &str, what: &str) -> Error
         path,
         line,
         format!(
-            "{what}. Name its columns: --columns {spec}{missing}; - skips one, units as in x:mm or heading:deg \
-             (docs/formats.md)"
+            "{what}{} Name its columns: --columns {spec}{missing}; - skips one, units as in x:mm or heading:deg \
+             (docs/formats.md)",
+            if what.ends_with('?') { "" } else { "." }
         ),
     )
 }
