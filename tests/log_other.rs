@@ -817,3 +817,25 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_trajectory_in_nanoseconds_and_one_with_w_first() {
+    let text = "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.radiation_type,field.field_of_view,field.min_range,\
+                field.max_range,field.range\n\
+                1500000000000000000,0,1500000000000000000,left,0,0.5,0.1,4.0,1.5\n";
+    let around = |k: u32| (0.05 * f64::from(k)).sin_cos();
+    let rows = |row: fn(f64, (f64, f64)) -> String| -> String {
+        (0..40).map(|k| row(1.5e9 - 2.0 + 0.1 * f64::from(k), around(k))).collect()
+    };
+    let ns = rows(|t, (s, c)| format!("{}000000000 1 2 0 0 0 {s} {c}\n", t as u64));
+    let (_folder, path) = file("ns.txt", &ns);
+    let log = open(text, &posed(&path));
+    assert_eq!((read(&log)[0].robot.x, log.notes().iter().any(|n| n.contains("tip the robot"))), (1.0, false));
+    let first = rows(|t, (s, c)| format!("{t} 1 2 0 {c} 0 0 {s}\n"));
+    let (_folder, path) = file("w.txt", &first);
+    let notes = open(text, &posed(&path)).notes();
+    assert!(
+        notes.iter().any(|n| n.contains("quaternions tip the robot over") && n.contains("qx qy qz qw")),
+        "{notes:?}"
+    );
+}

@@ -41,6 +41,8 @@ pub(super) struct Ranges {
     pub all: u64,
     /// Readings of 0 or less.
     pub none: u64,
+    /// Readings beyond what is kept apart.
+    far: u64,
 }
 
 /// A value that stands for no return.
@@ -55,7 +57,7 @@ pub(super) struct Code {
 impl Ranges {
     /// None yet, of a laser with so many beams.
     pub fn of(beams: u32) -> Ranges {
-        Ranges { beams: beams.max(1), bins: Vec::new(), all: 0, none: 0 }
+        Ranges { beams: beams.max(1), bins: Vec::new(), all: 0, none: 0, far: 0 }
     }
 
     /// Adds a beam's range, metres.
@@ -69,6 +71,7 @@ impl Ranges {
             return;
         }
         if range > FARTHEST {
+            self.far += 1;
             return;
         }
         let at = (range / BIN).round() as usize;
@@ -114,7 +117,7 @@ impl Ranges {
     /// How many readings are at or beyond a range, metres, and the commonest of them.
     pub fn beyond(&self, range: f64) -> (u64, f64) {
         let at = self.bins.iter().filter(|b| b.count > 0 && b.least >= range);
-        let kept: u64 = at.clone().map(|b| b.count).sum();
+        let kept = self.far + at.clone().map(|b| b.count).sum::<u64>();
         (kept, at.max_by_key(|b| b.count).map_or(range, |b| b.least))
     }
 }

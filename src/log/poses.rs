@@ -150,11 +150,14 @@ fn carried(from: &Pose, sensor: &Pose, to: &Pose) -> Pose {
     to.compose(c * dx + s * dy, c * dy - s * dx, sensor.heading - from.heading)
 }
 
+/// Times beyond this are nanoseconds: in seconds they would be three thousand million years.
+const NANOSECONDS: f64 = 1e17;
+
 /// How a row gives its pose.
 enum Way {
     Topic(Layout),
-    /// t x y z and a quaternion.
-    Tum,
+    /// t x y z and a quaternion; of how many the quaternion tips the robot over.
+    Tum(u64),
     Columns(Columns, Rows),
 }
 
@@ -175,7 +178,7 @@ fn read(input: &Input, columns: Option<&str>) -> Result<(Vec<(f64, Pose)>, Vec<S
                 Ok((found, named)) => {
                     let header = match &found {
                         Way::Topic(layout) => layout.header,
-                        Way::Tum => false,
+                        Way::Tum(_) => false,
                         Way::Columns(..) => named,
                     };
                     if let (Way::Columns(columns, _), None) = (&found, columns) {
@@ -211,6 +214,14 @@ fn read(input: &Input, columns: Option<&str>) -> Result<(Vec<(f64, Pose)>, Vec<S
         let what = if bad > 0 { format!("holds no pose: {first_bad}") } else { "holds no pose".into() };
         return Err(Error::input(input.path(), what));
     }
+    if let Some(Way::Tum(tipped)) = way
+        && 4 * tipped > poses.len() as u64
+    {
+        notes.push(format!(
+            "{tipped} of its {} quaternions tip the robot over: TUM's order is qx qy qz qw; where w stands first, move it to the end",
+            poses.len()
+        ));
+    }
     let name = input.path().display();
     let mut all: Vec<String> = notes.into_iter().map(|note| format!("{name}: {note}")).collect();
     if bad > 0 {
@@ -238,7 +249,7 @@ fn begin(line: &str, columns: Option<&str>) -> std::result::Result<(Way, bool), 
     let cells = rows.split(line);
     let named = cells.iter().any(|cell| super::text::real(cell).is_none());
     let spec = match (named, cells.len()) {
-        (false, 8) => return Ok((Way::Tum, false)),
+        (false, 8) => return Ok((Way::Tum(0), false)),
         (false, 4) => "t,x,y,heading".to_string(),
         (true, _) => suggest::spec(&cells),
         (false, n) => {
@@ -263,12 +274,14 @@ fn pose(way: &mut Way, line: &str) -> std::result::Result<(f64, Pose), String> {
             let pose = layout.pose(&cells).ok_or("no pose")??;
             Ok((layout.time(&cells)?, pose))
         }
-        Way::Tum => {
+        Way::Tum(tipped) => {
             let cells = line.split(|c: char| c == ',' || c.is_whitespace()).filter(|cell| !cell.is_empty());
             let values: Option<Vec<f64>> = cells.map(super::text::real).collect();
             match values.as_deref() {
                 Some([t, x, y, _, qx, qy, qz, qw]) if t.is_finite() => {
-                    Ok((*t, Pose { x: *x, y: *y, heading: yaw(*qx, *qy, *qz, *qw) }))
+                    *tipped += u64::from(qx * qx + qy * qy > qz * qz + qw * qw);
+                    let seconds = if *t > NANOSECONDS { t / 1e9 } else { *t };
+                    Ok((seconds, Pose { x: *x, y: *y, heading: yaw(*qx, *qy, *qz, *qw) }))
                 }
                 _ => Err("expected t x y z qx qy qz qw".into()),
             }

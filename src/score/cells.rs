@@ -138,7 +138,7 @@ fn apart(truth: &GridSpec, map: &GridSpec) -> Result<(i64, i64)> {
     let offset = |anchor: (f64, f64), first: (i64, i64)| {
         let cells = (anchor.1 - anchor.0) / map.resolution;
         let whole = cells.round();
-        ((cells - whole).abs() < 1e-4 && whole.abs() < 1e15).then_some(whole as i64 + first.1 - first.0)
+        ((cells - whole).abs() < 1e-4 && whole.abs() < 1e15).then(|| whole as i64 + first.1 - first.0)
     };
     let across = offset((truth.anchor.0, map.anchor.0), (truth.i0, map.i0));
     let up = offset((truth.anchor.1, map.anchor.1), (truth.j0, map.j0));

@@ -235,7 +235,7 @@ pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
     };
     match (fine, key) {
         (true, _) => Ok(()),
-        (_, "half_width" | "beta") => Err("takes 0 to 60deg (1.0472; a plain number is in radians)".into()),
+        (_, "half_width" | "beta") => Err("takes 0 to 60deg (1.0472)".into()),
         (_, "r_min" | "no_echo_range") => Err("takes 0 to 1e6 m".into()),
         (_, "r_max" | "hit_range" | "epsilon") => Err("takes more than 0, up to 1e6 m".into()),
         (_, "fov") => Err("takes an angle above 0, up to 360deg (a plain number is in radians: write 180deg)".into()),

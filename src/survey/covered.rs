@@ -46,20 +46,17 @@ impl Covered {
         if self.holds([low.0 - around, low.1 - around, high.0 + around, high.1 + around]) {
             return;
         }
-        let mut put = |x: f64, y: f64| self.grow(x, y, beside);
-        put(pose.x, pose.y);
-        let ray = |(sine, cosine): (f64, f64), put: &mut dyn FnMut(f64, f64)| {
-            put(pose.x + reach * cosine, pose.y + reach * sine);
-        };
-        for bearing in [pose.heading - beta, pose.heading, pose.heading + beta] {
-            ray(bearing.sin_cos(), &mut put);
-        }
+        self.grow(pose.x, pose.y, beside);
+        self.grow(tip.0, tip.1, beside);
+        let mut ray =
+            |(sine, cosine): (f64, f64)| self.grow(pose.x + reach * cosine, pose.y + reach * sine, spread.beside);
+        ray((pose.heading - beta).sin_cos());
+        ray((pose.heading + beta).sin_cos());
         // Where the arc crosses a direction of the axes it goes farthest.
         let first = ((pose.heading - beta) / FRAC_PI_2).ceil() as i64;
         let last = ((pose.heading + beta) / FRAC_PI_2).floor() as i64;
         for quarter in first..=last {
-            let [sine, cosine] = [[0.0, 1.0], [1.0, 0.0], [0.0, -1.0], [-1.0, 0.0]][quarter.rem_euclid(4) as usize];
-            ray((sine, cosine), &mut put);
+            ray([(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][quarter.rem_euclid(4) as usize]);
         }
     }
 

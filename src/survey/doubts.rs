@@ -13,7 +13,7 @@ const FEWEST: u64 = 20;
 const MEASURED: usize = 16;
 /// Largest ranges that are kept apart, with how often each came.
 const LARGEST: usize = 16;
-/// So many times as far as r_max the ranges of a sonar are most likely in another unit.
+/// So many times as far as r_max ranges are most likely in another unit.
 const OTHER_UNIT: f64 = 10.0;
 /// A heap is so many times as high as any of the ranges just below it.
 const HEAP: u64 = 5;
@@ -110,7 +110,7 @@ impl Ranges {
         let many = self.beyond as f64 >= SHARE * self.finite as f64 && self.values.len() == MEASURED;
         many.then(|| {
             let (id, n, of, far) = (&sensor.id, self.beyond, self.finite, self.farthest);
-            if sensor.kind == Kind::Sonar && far >= OTHER_UNIT * sensor.r_max {
+            if far >= OTHER_UNIT * sensor.r_max {
                 return format!(
                     "{n} of {of} ranges of sensor {id} lie beyond its r_max of {} m, up to {far:.0}: most likely they are not metres; \
                      say their unit (range:cm or range:mm in --columns), or convert them",

@@ -223,7 +223,7 @@ fn units_and_poses_that_are_most_likely_wrong_are_told() {
     };
     let said = |text: String| {
         place.write("t.csv", text);
-        let columns = ["--columns", "t,x,y,heading,range", "-r", "0.1", "--backend", "cpu", "-q"];
+        let columns = ["--columns", "t,x,y,heading,range", "-r", "0.1", "--backend", "cpu", "-q", "--sensor", "sonar"];
         place.run(&[&["map", "t.csv", "-o", "t"][..], &columns].concat()).err
     };
     let tau = std::f64::consts::TAU;

@@ -90,6 +90,9 @@ pub(super) fn parse<'a>(line: &'a str, ranges: &mut Vec<f64>) -> Result<Line<'a>
     Ok(Line::Laser(message))
 }
 
+/// Beams go once around at most, radians, and a little more.
+const ALL_AROUND: f64 = 6.5;
+
 struct Fields<'a> {
     tag: Tag,
     all: Vec<&'a str>,
@@ -210,6 +213,11 @@ impl Fields<'_> {
         let (start, step) = (self.at(2)?, self.at(4)?);
         if !(start.is_finite() && step.is_finite() && step != 0.0) {
             return Err(format!("start angle {start} or resolution {step} is no angle"));
+        }
+        if step.abs() * f64::from(count - 1) > ALL_AROUND || start.abs() > ALL_AROUND {
+            return Err(format!(
+                "{count} beams from {start} on, {step} apart, are more than once around: angles are in radians here"
+            ));
         }
         let cap = Some(self.at(5)?).filter(|cap| *cap > 0.0);
         let layout = Layout { tag: self.tag, count, beams: Some((start, step)), cap, posed: robot };

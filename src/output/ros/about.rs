@@ -9,6 +9,9 @@ use std::path::Path;
 
 /// A settings file is no longer, bytes.
 const LONGEST: u64 = 1 << 20;
+/// No map lies farther from the origin, metres.
+const FARTHEST: f64 = 1e7;
+
 const KEYS: [&str; 7] = ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"];
 const YES: [&str; 4] = ["true", "yes", "on", "y"];
 const NO: [&str; 4] = ["false", "no", "off", "n"];
@@ -62,7 +65,8 @@ impl About {
     fn of(path: &Path, document: &Document) -> Result<About> {
         let keys = Keys { path, entries: &document.entries };
         let image = keys.image()?;
-        let resolution = keys.number(keys.needed("resolution")?, "metres a pixel, such as 0.05", |v| v > 0.0)?;
+        let resolution =
+            keys.number(keys.needed("resolution")?, "metres a pixel, such as 0.05", |v| (1e-6..=1e6).contains(&v))?;
         let origin = keys.needed("origin")?;
         let threshold = |key: &str, default: f64| match keys.find(key) {
             Some(entry) => keys.number(entry, "a share from 0 to 1, such as 0.65", |v| (0.0..=1.0).contains(&v)),
@@ -155,7 +159,7 @@ impl<'a> Keys<'a> {
         let Value::List(items) = &entry.value.value else { return Err(self.wrong("origin", &entry.value, right)) };
         let mut values = Vec::new();
         for item in items {
-            values.push(number(item).ok_or_else(|| self.wrong("origin", item, right))?);
+            values.push(number(item).filter(|v| v.abs() <= FARTHEST).ok_or_else(|| self.wrong("origin", item, right))?);
         }
         values.try_into().map_err(|_| self.wrong("origin", &entry.value, right))
     }
