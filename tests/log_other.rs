@@ -7,6 +7,7 @@ use echogrid::log::{Log, Options, Problem};
 use echogrid::reading::{Pose, Record};
 use echogrid::sensor::Kind;
 use proptest::prelude::*;
+use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -236,7 +237,7 @@ fn player(old: bool) -> String {
             false => {
                 let head = format!("{k:04} -1.5708 +1.5708 +0.01745329 +8.0000 0181");
                 writeln!(text, "{t:.3} 16777343 6665 laser 00 001 001 {head} {readings}").unwrap();
-                let ring = [(0.1, 0.2, 1.570796), (0.15, -0.1, -0.785398)];
+                let ring = [(0.1, 0.2, PI / 2.0), (0.15, -0.1, -PI / 4.0)];
                 let z: Vec<f64> = ring.iter().map(|(x, y, a)| cast(&robot.compose(*x, *y, *a), 0.0)).collect();
                 writeln!(text, "{t:.3} 16777343 6665 sonar 00 001 001 2 {}", joined(&z, 1.0, 4, " ")).unwrap();
             }

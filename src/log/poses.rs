@@ -161,8 +161,11 @@ enum Way {
     Columns(Columns, Rows),
 }
 
-/// All poses of a file with their times, and what to say of them.
-fn read(input: &Input, columns: Option<&str>) -> Result<(Vec<(f64, Pose)>, Vec<String>)> {
+/// Poses with their times, seconds, and what to say of them.
+type Read = (Vec<(f64, Pose)>, Vec<String>);
+
+/// All poses of a file.
+fn read(input: &Input, columns: Option<&str>) -> Result<Read> {
     let mut poses = Vec::new();
     let (mut bad, mut first_bad) = (0u64, String::new());
     let mut way: Option<Way> = None;

@@ -89,7 +89,7 @@ pub(super) fn parse(text: &str) -> Read_<Vec<Field>> {
         fields.push(Field { key, path: path.trim().into(), scale });
     }
     let has = |key: &str| fields.iter().any(|field| field.key == key);
-    if !has("pose") && !(has("x") && has("y") && has("heading")) {
+    if !(has("pose") || has("x") && has("y") && has("heading")) {
         return Err("name the robot's poses: pose=…, or x=…, y=… and heading=…".into());
     }
     match (has("ranges"), has("points")) {
@@ -100,7 +100,7 @@ pub(super) fn parse(text: &str) -> Read_<Vec<Field>> {
         (true, false) if has("fov") && (has("first") || has("step") || has("angles")) => {
             Err("fov lays the beams evenly about the axis: leave it out beside angles, first and step".into())
         }
-        (true, false) if !has("angles") && !has("fov") && !(has("first") && has("step")) => {
+        (true, false) if !(has("angles") || has("fov") || has("first") && has("step")) => {
             Err("ranges need the beams' bearings: angles=…, or first=… and step=…, or fov=180deg".into())
         }
         _ => Ok(fields),
