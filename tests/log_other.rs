@@ -274,7 +274,7 @@ fn player_poses_are_those_of_the_scans_times() {
     let log = plain(&text);
     let all = read(&log);
     assert_eq!(all.len(), 2);
-    assert!((all[0].robot.x - 0.5).abs() < 1e-9 && (all[0].robot.heading.abs() - std::f64::consts::PI).abs() < 1e-9);
+    assert!((all[0].robot.x - 0.5).abs() < 1e-9 && (all[0].robot.heading.abs() - PI).abs() < 1e-9);
     assert!(log.notes()[0].starts_with("2 scans were left out: at their times there is no pose"), "{:?}", log.notes());
     // Scans that carry the pose, and Player 3's rangers.
     let carried = line(1.0, "laser 0 1 2 0 1.5 -0.5 0.25 -0.1 0.1 0.2 8 2 1.0 0 2.0 0");
@@ -521,7 +521,7 @@ fn columns_of_a_table() {
         let turned: Vec<Record> = read(&log)
             .into_iter()
             .map(|mut r| {
-                r.pose.heading += std::f64::consts::PI;
+                r.pose.heading += PI;
                 r
             })
             .collect();
