@@ -3,9 +3,12 @@
 //! The rule, from the largest range downwards. A value is a code if
 //! 1. it came at least 4 times, and 6 times as often as all but four of the values just below it (up to 16 of them, within 2 % of the
 //!    value or 16 steps of the log's own grid of values, whichever is more; four, because codes have company);
-//! 2. it came from directions too far apart for one flat wall to give the same range in all of them, as it does to a parked robot;
+//! 2. it came from directions too far apart for one flat wall to give the same range in all of them, as it does to a parked robot:
+//!    among the beams, or in the world, as a beam that is blind for good has it on a robot that turns;
 //! 3. ranges between it and the code above it, or the largest range, are at most a quarter as many: it stands at or beyond their end;
 //! 4. there are at least five other values below it: a log of one range alone tells nothing.
+
+use std::f64::consts::{PI, TAU};
 
 /// Ranges are kept apart by this, metres.
 const BIN: f64 = 0.001;
@@ -28,8 +31,9 @@ struct Bin {
     count: u64,
     /// The smallest of them, metres.
     least: f64,
-    /// From which directions they came, a bit each.
+    /// From which directions they came, a bit each: among the beams, and in the world.
     directions: u64,
+    bearings: u64,
 }
 
 /// A laser's ranges: how often each came, and from where.
@@ -60,8 +64,8 @@ impl Ranges {
         Ranges { beams: beams.max(1), bins: Vec::new(), all: 0, none: 0, far: 0 }
     }
 
-    /// Adds a beam's range, metres.
-    pub fn add(&mut self, beam: usize, range: f64) {
+    /// Adds a beam's range, metres; `heading` is the laser's, radians, where it is known.
+    pub fn add(&mut self, beam: usize, range: f64, heading: Option<f64>) {
         if range.is_nan() {
             return;
         }
@@ -83,6 +87,11 @@ impl Ranges {
             bin.count += 1;
             let direction = beam as u64 * u64::from(self.beams.min(DIRECTIONS)) / u64::from(self.beams);
             bin.directions |= 1 << direction.min(63);
+            if let Some(heading) = heading {
+                // Half a circle of beams is near enough to tell one wall from many.
+                let turns = (heading + PI * beam as f64 / f64::from(self.beams)) / TAU;
+                bin.bearings |= 1 << ((turns.rem_euclid(1.0) * f64::from(DIRECTIONS)) as u32).min(63);
+            }
         }
     }
 
@@ -103,7 +112,11 @@ impl Ranges {
             // A wall at distance D is met within one step of the grid over ±√(2 step / D); twice that for the noise.
             let wall = 4.0 * (2.0 * grid as f64 / *at as f64).sqrt();
             let directions = u64::from(bin.directions.count_ones());
-            let anywhere = directions >= ((wall / apart.max(1e-6)) as u64 + 3).min((bin.count / 2).max(3));
+            let wide = |directions: u64, apart: f64| {
+                directions >= ((wall / apart.max(1e-6)) as u64 + 3).min((bin.count / 2).max(3))
+            };
+            let bearings = u64::from(bin.bearings.count_ones());
+            let anywhere = wide(directions, apart) || wide(bearings, TAU / f64::from(DIRECTIONS));
             if bin.count >= FEWEST.max(TIMES * usual) && anywhere && between <= bin.count / 4 {
                 codes.push(Code { range: bin.least, count: bin.count });
                 between = 0;
@@ -147,10 +160,12 @@ mod tests {
         codes: &'static [f64],
         /// Ranges are clipped to this.
         cap: f64,
+        /// Beams that are blind for good.
+        blind: &'static [u32],
     }
 
     const PLAIN: Room =
-        Room { beams: 181, scans: 40, grid: 0.001, parked: false, share: 0.0, codes: &[50.0], cap: 1e3 };
+        Room { beams: 181, scans: 40, grid: 0.001, parked: false, share: 0.0, codes: &[50.0], cap: 1e3, blind: &[] };
 
     impl Room {
         fn ranges(&self) -> Ranges {
@@ -166,7 +181,9 @@ mod tests {
                     );
                     let z = ((z + 0.01 * (random.next() - 0.5)) / self.grid).round() * self.grid;
                     let code = self.codes[(random.next() * self.codes.len() as f64) as usize];
-                    ranges.add(k as usize, if random.next() < self.share { code } else { z.min(self.cap) });
+                    let blind = self.blind.contains(&k);
+                    let z = if blind || random.next() < self.share { code } else { z.min(self.cap) };
+                    ranges.add(k as usize, z, Some(heading));
                 }
                 if !self.parked {
                     let turn = 0.05 * scan as f64;
@@ -217,6 +234,14 @@ mod tests {
     }
 
     #[test]
+    fn blind_beams_of_a_robot_that_turns() {
+        let blind = Room { blind: &[40, 41, 42], scans: 60, ..PLAIN };
+        assert_eq!(blind.found(), [50.0]);
+        // Parked, the same is what a wall behind a gap gives.
+        assert_eq!(Room { parked: true, ..blind }.found(), [] as [f64; 0]);
+    }
+
+    #[test]
     fn a_clipped_range() {
         assert_eq!(Room { cap: 6.0, grid: 0.01, ..PLAIN }.found(), [6.0]);
         assert_eq!(Room { cap: 8.183, scans: 8, ..PLAIN }.found(), [8.183]);
@@ -227,13 +252,13 @@ mod tests {
         // A few real ranges lie far beyond the code.
         let mut ranges = Room { share: 0.1, codes: &[32.767], ..PLAIN }.ranges();
         for k in 0..60 {
-            ranges.add(k, 33.0 + 0.31 * k as f64);
+            ranges.add(k, 33.0 + 0.31 * k as f64, None);
         }
         let codes = ranges.codes(PLAIN.step());
         assert_eq!(codes.iter().map(|c| c.range).collect::<Vec<_>>(), [32.767]);
         // As many as its own: then it is not their end.
         for k in 0..2000 {
-            ranges.add(k % 181, 33.0 + 0.013 * k as f64);
+            ranges.add(k % 181, 33.0 + 0.013 * k as f64, None);
         }
         assert_eq!(ranges.codes(PLAIN.step()), []);
     }
@@ -244,20 +269,20 @@ mod tests {
         let mut ranges = Room { parked: true, scans: 300, ..PLAIN }.ranges();
         for _ in 0..300 {
             for k in 90..93 {
-                ranges.add(k, 25.37);
+                ranges.add(k, 25.37, Some(0.0));
             }
         }
         assert_eq!(ranges.codes(PLAIN.step()), []);
         // A round tank: nothing but its wall.
         let mut tank = Ranges::of(180);
         for k in 0..3600 {
-            tank.add(k % 180, 3.0);
+            tank.add(k % 180, 3.0, Some(0.0));
         }
         assert_eq!(tank.codes(PI / 180.0), []);
         // Nothing, not a number, beyond all scales.
         let mut odd = Ranges::of(2);
         for z in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
-            odd.add(0, z);
+            odd.add(0, z, None);
         }
         assert_eq!((odd.all, odd.none, odd.codes(1.0)), (4, 2, vec![]));
     }

@@ -141,7 +141,11 @@ impl Found {
         };
         if let Some(laser) = self.lasers.get_mut(at) {
             laser.timeless += u64::from(message.t.is_none());
-            ranges.iter().enumerate().for_each(|(k, z)| laser.ranges.add(k, *z));
+            let heading = match message.place {
+                Place::Both(pose, _) | Place::One(pose, _) => Some(pose.heading),
+                Place::Odometry => None,
+            };
+            ranges.iter().enumerate().for_each(|(k, z)| laser.ranges.add(k, *z, heading));
             laser.messages += 1;
         }
     }
