@@ -203,7 +203,7 @@ fn the_default_bounds_hold_what_is_reached_and_little_else() {
     if let (Some(intel), Some(test1)) = (data("carmen_corrected/intel-corrected.log.gz"), data("sonar_ring_8/test1")) {
         fits(&place, &[intel.to_str().unwrap(), "-r", "0.1"], 0.25);
         fits(&place, &[test1.to_str().unwrap(), "--sensor", "laser", "-r", "0.1"], 0.2);
-        fits(&place, &[test1.to_str().unwrap(), "-r", "0.1"], 0.5);
+        fits(&place, &[test1.to_str().unwrap(), "-r", "0.1"], 0.25);
     }
 }
 
@@ -232,12 +232,18 @@ fn units_and_poses_that_are_most_likely_wrong_are_told() {
     assert!(said(table(0.2, tau, 100.0, 0.0)).contains("most likely they are not metres; say their unit (range:cm"));
     assert!(said(table(0.2, tau, 1.0, 8.0)).contains("t.csv:63: the robot's pose jumps 8 m"));
     // Zeros are silence to many sonars.
-    let zeros = table(0.2, tau, 1.0, 0.0).replace(",1\n", ",0\n").replace(",1.5\n", ",0\n");
-    assert_eq!(said(zeros.clone()), "");
-    let many = zeros.lines().map(|l| {
-        if l.ends_with('7') { l.rsplit_once(',').unwrap().0.to_string() + ",0\n" } else { l.to_string() + "\n" }
-    });
-    assert!(said(many.collect()).contains("are 0, which many sonars write where nothing was heard"));
+    let zeros = |each: usize| -> String {
+        let row = |(k, line): (usize, &str)| match k % each == 1 {
+            true => format!("{},0\n", line.rsplit_once(',').unwrap().0),
+            false => format!("{line}\n"),
+        };
+        table(0.2, tau, 1.0, 0.0).lines().enumerate().map(row).collect()
+    };
+    assert_eq!(said(zeros(60)), "");
+    assert!(
+        said(zeros(4))
+            .contains("30 of 120 ranges of sensor sensor are 0, which many sonars write where nothing was heard")
+    );
     // A plain 90 in a sensor file is no right angle.
     place.write("s.toml", "[[sensor]]\naxis = 90\n");
     let ran = place.run(&["map", "t.csv", "-o", "t", "--columns", "t,x,y,heading,range", "--sensor-file", "s.toml"]);
