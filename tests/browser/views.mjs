@@ -59,7 +59,7 @@ test("the canvas shows the tiles, right way up", async () => {
         seen += 1;
       }
     }
-    assert.ok(seen > 3000);
+    assert.ok(seen > 1000, `${seen} cells`);
     assert.ok(
       differences(own, { ...own, at: (c, r) => own.at(c, own.height - 1 - r) }) > 500,
       "upside down it would differ",
