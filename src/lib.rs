@@ -2,6 +2,8 @@
 //! the same result. The modules stand in the order of the data: a *log* gives *readings*, a *batch* says which tiles they
 //! reach, a *method* runs on one of the *kernels*, the *grid* holds its layers, *output* writes them.
 
+mod similar;
+mod wrapped;
 pub mod world;
 pub mod sensor;
 pub mod log;
@@ -37,8 +39,6 @@ pub mod view;
 pub mod cli;
 pub mod error;
 mod positioned;
-mod similar;
-mod wrapped;
 
 pub use error::{Error, Result};
 
