@@ -5,11 +5,11 @@
 #![allow(clippy::unwrap_used, reason = "a benchmark stops where it can't run")]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use echogrid::bench::throughput::measure;
+use echogrid::bench::workload::standard;
 use echogrid::kernels::{Choice, choose};
-use echogrid::mapper::{BATCH, Mapper};
 use echogrid::method::{REGISTRY, Unit, make, settings::Settings};
-use echogrid::throughput::measure;
-use echogrid::workload::standard;
+use echogrid::pipeline::mapper::{BATCH, Mapper};
 
 fn kernels(c: &mut Criterion) {
     // The 2 cm workloads take seconds a run: `echogrid bench` has them.

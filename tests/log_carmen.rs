@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use echogrid::Error;
+use echogrid::log::reading::{Counts, Outcome, Pose, judge};
 use echogrid::log::{Log, Options};
-use echogrid::reading::{Counts, Outcome, Pose, judge};
 use echogrid::sensor::Overrides;
 use std::f64::consts::PI;
 use std::fmt::Write;

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+use echogrid::log::reading::{Record, Unused, judge};
 use echogrid::log::{Log, Options, Problem};
-use echogrid::reading::{Record, Unused, judge};
 use echogrid::sensor::{Kind, Mounts, SensorFile};
 use std::io::Write;
 use std::path::Path;

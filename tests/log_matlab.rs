@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+use echogrid::log::reading::Record;
 use echogrid::log::{Log, Options, Problem};
-use echogrid::reading::Record;
 use echogrid::sensor::Kind;
 use proptest::prelude::*;
 use std::io::Write;

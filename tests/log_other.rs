@@ -3,8 +3,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+use echogrid::log::reading::{Pose, Record};
 use echogrid::log::{Log, Options, Problem};
-use echogrid::reading::{Pose, Record};
 use echogrid::sensor::Kind;
 use proptest::prelude::*;
 use std::f64::consts::PI;

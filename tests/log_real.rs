@@ -6,8 +6,8 @@
 mod data;
 
 use data::data;
+use echogrid::log::reading::{Counts, Record, Unused, judge};
 use echogrid::log::{Log, Options, Problem};
-use echogrid::reading::{Counts, Record, Unused, judge};
 use echogrid::sensor::{Kind, Overrides};
 
 fn read(log: &Log) -> Vec<Record> {

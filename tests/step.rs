@@ -8,11 +8,11 @@ mod common;
 
 use common::data;
 use echogrid::kernels::cpu::Cpu;
-use echogrid::mapper::Finished;
 use echogrid::method::settings::Settings;
 use echogrid::oracle::{self, Region};
-use echogrid::session::{Request, Session};
-use echogrid::step::{By, Cell, Stepper, explain};
+use echogrid::pipeline::finished::Finished;
+use echogrid::pipeline::session::{Request, Session};
+use echogrid::pipeline::step::{By, Cell, Stepper, explain};
 use echogrid::world::{Rig, World, simulate};
 use std::path::{Path, PathBuf};
 

@@ -4,12 +4,12 @@
 
 use echogrid::grid::{Data, Map};
 use echogrid::kernels::{Backend, cpu::Cpu, gpu};
-use echogrid::layers;
+use echogrid::log::reading::Counts;
 use echogrid::method::settings::Settings;
 use echogrid::output::{MapWriter, Outline, RunInfo, check, read_map};
-use echogrid::reading::Counts;
-use echogrid::session::{Request, Session};
-use echogrid::whole::{self, Plan};
+use echogrid::pipeline::layers;
+use echogrid::pipeline::out_of_core::{self, Plan};
+use echogrid::pipeline::session::{Request, Session};
 use echogrid::world::{Rig, World, simulate};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ fn whole(session: &Session, backend: &mut dyn Backend, batch: usize, bins: u64, 
     let mut writer = MapWriter::open(folder, outline, &RunInfo::default(), false).unwrap();
     let plan = Plan { batch, bins, ..Plan::of(session, batch, None).unwrap() };
     let silent = |_: &str, _: u64| -> Box<dyn Fn(u64)> { Box::new(|_| {}) };
-    let counts = whole::map(session, backend, &plan, folder, &silent, &mut writer).unwrap().counts;
+    let counts = out_of_core::map(session, backend, &plan, folder, &silent, &mut writer).unwrap().counts;
     writer.finish(&RunInfo::default()).unwrap();
     assert!(check(folder, &|| {}).unwrap().problems.is_empty());
     (read_map(folder).unwrap().map, counts)
@@ -73,7 +73,7 @@ fn chunk_by_chunk_gives_the_bytes_of_all_chunks_together() {
     let log = log(folder.path(), "ring24");
     for (name, settings) in every_settings() {
         let session = session(&log, settings);
-        assert!(whole::places(&session.grid).count() >= 6, "{:?}", session.grid);
+        assert!(echogrid::grid::places(&session.grid).count() >= 6, "{:?}", session.grid);
         let together = session.map(&mut Cpu::new(0).unwrap(), 3000, &|_| {}).unwrap();
         let want = bits(&together.finished.map);
         // large batches in memory; small ones, spilled

@@ -4,9 +4,9 @@
 
 use echogrid::Error;
 use echogrid::grid::{Data, GridSpec, Layer, Map, Scale};
+use echogrid::log::reading::{Outcome, Pose, Reading, Record};
 use echogrid::method::settings::Settings;
 use echogrid::output::write_working;
-use echogrid::reading::{Outcome, Pose, Reading, Record};
 use echogrid::sensor::{AtMax, Kind, Sensor};
 use serde_json::Value;
 

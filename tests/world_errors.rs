@@ -15,7 +15,7 @@ fn files_that_are_no_worlds() {
     assert!(said(folder.path()).contains("give a world's TOML file"), "{}", said(folder.path()));
     assert!(said(&folder.path().join("none.toml")).contains("none.toml"));
     let huge = "[campus]\nwidth = 20000\nheight = 20000\n";
-    if echogrid::memory::available().is_some_and(|free| free < 35 << 30) {
+    if echogrid::support::memory::available().is_some_and(|free| free < 35 << 30) {
         assert_eq!(World::parse(Path::new("huge.toml"), huge).unwrap_err().exit_code(), 5);
     }
 }

@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
 
+use echogrid::evaluate::score::{Numbers, Options, Truth, score};
 use echogrid::kernels::cpu::Cpu;
 use echogrid::log::Options as LogOptions;
 use echogrid::method::settings::Settings;
-use echogrid::score::{Numbers, Options, Truth, score};
+use echogrid::pipeline::session::{Request, Session};
 use echogrid::sensor::Overrides;
-use echogrid::session::{Request, Session};
 use echogrid::world::{Rig, World, scan, simulate};
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
 
-use echogrid::reading::Record;
+use echogrid::log::reading::Record;
 use echogrid::world::{Rig, World, scan, simulate};
 use std::path::Path;
 

@@ -136,7 +136,7 @@ fn nothing_is_known_without_a_scan() {
 
 #[test]
 fn a_lasers_world_is_known_as_far_as_the_laser_sees() {
-    use echogrid::score::reach;
+    use echogrid::evaluate::score::reach;
     let shape = "[[outline]]\npoints = [[0,0],[12,0],[12,5],[0,5],[0,0]]\n[path]\nposes = [[1,1]]\n";
     let of = |rig: &str| reach(&world(&format!("{shape}[rig]\nkind = \"{rig}\"\n")), None).unwrap();
     assert_eq!([of("dense"), of("ring8"), of("laser")], [5.0, 5.0, 13.0]);

@@ -3,12 +3,12 @@
 use super::common::{LogArguments, threads, use_threads, warn_of_jump, warn_of_log};
 use super::offered::{Offered, methods};
 use super::{note, say};
+use crate::bench::throughput::{Measured, measure};
+use crate::bench::workload::{Workload, cones, scans, standard, standard_scans};
 use crate::kernels::ceiling::Ceilings;
 use crate::kernels::{Choice, choose, gpu_required};
 use crate::method::{self, REGISTRY, Unit, settings::Settings};
-use crate::throughput::{Measured, measure};
-use crate::workload::{Workload, cones, scans, standard, standard_scans};
-use crate::wrapped::wrapped;
+use crate::support::wrapped::wrapped;
 use crate::{Error, Result};
 use clap::ValueHint;
 use serde_json::{Value, json};

@@ -3,8 +3,8 @@
 use super::common::{count, spinner};
 use super::{note, say};
 use crate::Result;
-use crate::memory::show;
 use crate::output::check;
+use crate::support::memory::show;
 use clap::ValueHint;
 use serde_json::json;
 use std::path::PathBuf;

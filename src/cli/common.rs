@@ -5,12 +5,12 @@ use super::{interrupt, note, say};
 use crate::grid::GridSpec;
 use crate::kernels::Choice;
 use crate::log;
+use crate::log::reading::Counts;
 use crate::method::settings::{FreeRule, Likelihood, MassModel, Settings};
 use crate::method::{self, REGISTRY};
-use crate::reading::Counts;
+use crate::pipeline::session::{Request, Session};
 use crate::sensor::{Kind, OVERRIDE_KEYS, Overrides, length};
-use crate::session::{Request, Session};
-use crate::wrapped::wrapped;
+use crate::support::wrapped::wrapped;
 use crate::{Error, Result};
 use clap::{Args, ValueEnum, ValueHint};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
@@ -99,7 +99,7 @@ pub struct LogArguments {
     #[arg(long)]
     pub strict: bool,
     /// Readings at a time; the result does not depend on it
-    #[arg(long, value_name = "N", default_value_t = crate::mapper::BATCH, hide_short_help = true)]
+    #[arg(long, value_name = "N", default_value_t = crate::binning::batch::BATCH, hide_short_help = true)]
     pub batch: usize,
     /// Threads of the CPU's kernels and of the host's work; 0: one a core; the result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads, hide_short_help = true)]
@@ -423,7 +423,7 @@ impl LogArguments {
             set: Vec::new(),
             until: None,
             strict: false,
-            batch: crate::mapper::BATCH,
+            batch: crate::binning::batch::BATCH,
             threads: 0,
         }
     }

@@ -1,7 +1,7 @@
 //! `echogrid compare`.
 
 use super::{note, say};
-use crate::compare::{Options, compare, write_pictures};
+use crate::evaluate::compare::{Options, compare, write_pictures};
 use crate::output::read_map;
 use crate::{Error, Result};
 use clap::ValueHint;

@@ -3,14 +3,14 @@
 use super::common::BackendArgument;
 use super::map::{Ran, save};
 use super::{interrupt, say};
+use crate::binning::batch::BATCH;
+use crate::evaluate::score::{Numbers, Options, Score, Truth, open_map, score, write_report};
 use crate::kernels::choose;
 use crate::log;
-use crate::mapper::BATCH;
 use crate::method::{REGISTRY, settings::Settings};
 use crate::output::{Folder, Report, Unfinished};
-use crate::score::{Numbers, Options, Score, Truth, open_map, score, write_report};
+use crate::pipeline::session::{Request, Session};
 use crate::sensor::Overrides;
-use crate::session::{Request, Session};
 use crate::world::{Shipped, World, simulate};
 use crate::{Error, Result};
 use clap::ValueHint;

@@ -2,12 +2,13 @@
 
 use super::common::item;
 use super::say;
+use crate::Result;
+use crate::geometry::layout;
 use crate::kernels::gpu::adapter;
 use crate::kernels::gpu::vulkan::Drivers;
 use crate::kernels::{Backend, cpu::Cpu};
-use crate::memory::{available, show};
 use crate::method::{self, REGISTRY, settings::Settings};
-use crate::{Result, layout};
+use crate::support::memory::{available, show};
 
 /// Arguments of `doctor`.
 #[derive(Debug, clap::Args)]

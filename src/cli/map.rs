@@ -9,11 +9,15 @@ use super::{note, say};
 use crate::feature;
 use crate::kernels::cpu::Cpu;
 use crate::kernels::{Chosen, choose};
+use crate::log::reading::Counts;
+use crate::method;
 use crate::method::Unit;
 use crate::output::{self, Folder, LogInfo, MapWriter, Outline, Report, RunInfo, Unfinished};
-use crate::reading::Counts;
-use crate::session::{Mapped, Session};
-use crate::{Error, Result, layers, memory, method, whole};
+use crate::pipeline::layers;
+use crate::pipeline::out_of_core::{self, ChunkSink};
+use crate::pipeline::session::{Mapped, Session};
+use crate::support::memory;
+use crate::{Error, Result};
 use clap::ValueHint;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -109,7 +113,7 @@ impl Map {
         choice: crate::kernels::Choice,
         seconds: Vec<(String, f64)>,
     ) -> Result<(Folder, Report, Counts, Ran, Unbroken)> {
-        let plan = whole::Plan::of(session, self.log.batch, self.memory)?;
+        let plan = out_of_core::Plan::of(session, self.log.batch, self.memory)?;
         plan.check_space(session, folder.path(), self.npy)?;
         warn_of_jump(&self.log, session);
         let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
@@ -126,14 +130,14 @@ impl Map {
         drop(unbroken);
         let before = writer.done().len();
         let stage = |what, readings| -> Box<dyn Fn(u64)> {
-            if what == whole::MAPPING {
+            if what == out_of_core::MAPPING {
                 interrupt::writing();
             }
             let bar = bar(readings, what, self.hidden());
             Box::new(move |n| bar.inc(n))
         };
-        let mapped = whole::map(session, chosen.backend.as_mut(), &plan, folder.path(), &stage, &mut writer);
-        let whole::Done { counts, seconds, busy } = match mapped {
+        let mapped = out_of_core::map(session, chosen.backend.as_mut(), &plan, folder.path(), &stage, &mut writer);
+        let out_of_core::Done { counts, seconds, busy } = match mapped {
             Ok(done) => done,
             Err(e) if writer.done().is_empty() => return Err(e),
             Err(e) => return Err(kept(folder, e)),
@@ -169,7 +173,7 @@ impl Map {
             }
             Some(choice) => {
                 let sweeps = session.method.sweeps().len() as u64;
-                let bar = bar(session.survey.counts.used * sweeps, whole::MAPPING, self.hidden());
+                let bar = bar(session.survey.counts.used * sweeps, out_of_core::MAPPING, self.hidden());
                 let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
                 let mapped = session.map(chosen.backend.as_mut(), self.log.batch, &|n| bar.inc(n))?;
                 (mapped, Ran::of(&chosen))

@@ -2,14 +2,15 @@
 
 use super::common::{BackendArgument, LogArguments, bar, count, done, item, spinner, warn_of_jump, warn_of_log};
 use super::{interrupt, parameters, say};
+use crate::grid::Place;
 use crate::kernels::{Chosen, choose};
-use crate::memory::{self, show};
 use crate::method::{self, Step, Steps, Unit};
 use crate::oracle;
 use crate::output::{LogInfo, MapWriter, Outline, RunInfo, head, tidy};
-use crate::session::Session;
-use crate::whole::{self, Chunk, Place, Run};
-use crate::wrapped::wrapped;
+use crate::pipeline::out_of_core::{self, Calibration, Chunk, Run};
+use crate::pipeline::session::Session;
+use crate::support::memory::{self, show};
+use crate::support::wrapped::wrapped;
 use crate::{Error, Result};
 use serde::Serialize;
 use serde_json::json;
@@ -66,7 +67,7 @@ impl Plan {
         let Some(rounds) = session.method.rounds() else { return self.resident(&session, None) };
         let started = Instant::now();
         let folder = std::env::temp_dir();
-        let plan = whole::Plan::of(&session, self.log.batch, self.memory);
+        let plan = out_of_core::Plan::of(&session, self.log.batch, self.memory);
         let fit = plan.as_ref().map_err(Error::to_string).and_then(|p| {
             p.check_space(&session, &std::env::current_dir().unwrap_or_default(), false).map_err(|e| e.to_string())
         });
@@ -83,7 +84,7 @@ impl Plan {
         let sign = spinner("trying", self.json);
         // The first batch makes the kernels.
         run.calibrate(backend.as_mut(), 0.0)?;
-        let (readings, seconds, chunk) = run.calibrate(backend.as_mut(), TRY)?;
+        let Calibration { readings, seconds, chunk } = run.calibrate(backend.as_mut(), TRY)?;
         let chunk_seconds = chunk.map_or(Ok(0.0), |chunk| write(&session, &chunk))?;
         drop(sign);
         let rate = readings as f64 / seconds.max(1e-9);
@@ -216,9 +217,9 @@ impl Plan {
                 &format!(
                     "{} of {} squares of {} × {} cells have readings; the fullest, column {column} row {row}, has {most}",
                     shown.places.len(),
-                    whole::places(grid).count(),
-                    whole::EDGE,
-                    whole::EDGE,
+                    crate::grid::places(grid).count(),
+                    crate::grid::EDGE,
+                    crate::grid::EDGE,
                 ),
             );
             let disk =

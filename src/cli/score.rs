@@ -1,7 +1,7 @@
 //! `echogrid score`.
 
 use super::{note, say};
-use crate::score::{Check, Options, Requirement, Score, Truth, open_map_noting, score, table, write_report};
+use crate::evaluate::score::{Check, Options, Requirement, Score, Truth, open_map_noting, score, table, write_report};
 use crate::{Error, Result};
 use clap::ValueHint;
 use serde_json::json;

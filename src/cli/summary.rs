@@ -4,12 +4,12 @@
 use super::common::count;
 use super::say;
 use crate::feature::{Summary, Times};
+use crate::log::reading::Counts;
 use crate::method;
 use crate::method::settings::{Likelihood, Settings};
 use crate::output::Report;
-use crate::reading::Counts;
+use crate::pipeline::session::Session;
 use crate::sensor::{Kind, Sensor};
-use crate::session::Session;
 use indicatif::HumanCount;
 use std::path::Path;
 

@@ -2,12 +2,12 @@
 
 use super::common::{bounds, metres, number};
 use super::{interrupt, note, say};
+use crate::Result;
+use crate::evaluate::score::{reach, wider};
 use crate::grid::GridSpec;
-use crate::layers::of_classes;
 use crate::output::{self, Folder, LogInfo, RunInfo};
-use crate::score::{reach, wider};
+use crate::pipeline::layers::of_classes;
 use crate::world::{Shipped, World, true_map};
-use crate::{Result, memory};
 use clap::ValueHint;
 use std::path::PathBuf;
 
@@ -48,7 +48,7 @@ impl Command {
             Some(bounds) => GridSpec::from_bounds(bounds, self.resolution)?,
             None => GridSpec::around(wider(world.bounds(), r_max), self.resolution)?,
         };
-        memory::check(grid.cells() as u64 * CELL, None, &grid, "give smaller --bounds or a coarser --resolution")?;
+        grid.check_memory(grid.cells() as u64 * CELL, None, "give smaller --bounds or a coarser --resolution")?;
         let made = interrupt::missing_above(&self.output);
         let folder = Folder::prepare(&self.output)?;
         interrupt::output(folder.path(), made, false);

@@ -2,14 +2,16 @@
 
 use super::common::{LogArguments, bar, done, spinner, warn_of_jump, warn_of_log};
 use super::{note, say};
-use crate::compare::{Options, compare, write_pictures};
+use crate::evaluate::compare::{Options, compare, write_pictures};
+use crate::evaluate::verify::{Verification, check, same_bytes};
 use crate::kernels::{Choice, Chosen, choose, gpu_required};
-use crate::layers;
-use crate::mapper::Finished;
+use crate::method;
 use crate::oracle::OracleMap;
-use crate::session::Session;
-use crate::verify::{Verification, check, same_bytes};
-use crate::{Error, Result, memory, method};
+use crate::pipeline::finished::Finished;
+use crate::pipeline::layers;
+use crate::pipeline::session::Session;
+use crate::support::memory;
+use crate::{Error, Result};
 use clap::ValueHint;
 use std::path::PathBuf;
 use std::time::Instant;

@@ -3,7 +3,7 @@
 use super::features::Features;
 use super::ping::Ping;
 use super::rules::Rules;
-use crate::world::plane::{Point, add, cross, distance, dot, from_segment, sub, times};
+use crate::geometry::plane::{Point, add, cross, distance, dot, from_segment, sub, times};
 
 /// Deviation of a range, and of a projected point from its wall, metres.
 const SIGMA: f64 = 0.05;

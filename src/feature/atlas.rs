@@ -10,7 +10,7 @@ use super::rcd::Rcd;
 use super::rules::Rules;
 use super::vote::vote;
 use super::wall::gather;
-use crate::world::plane::{Point, distance};
+use crate::geometry::plane::{Point, distance};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// With more regions than this the features of the whole log are found block by block: so many squares a block, and so much

@@ -4,7 +4,7 @@ use super::features::{Corner, Features, Wall, hit};
 use super::rcd::{Rcd, Source, tolerance};
 use super::rules::Rules;
 use super::wall::concave;
-use crate::world::plane::{Point, cross, distance, dot, length, sub, times};
+use crate::geometry::plane::{Point, cross, distance, dot, length, sub, times};
 
 /// A corner lies no farther inside either wall, metres.
 const INSIDE: f64 = 0.6;

@@ -5,7 +5,7 @@ use super::features::Features;
 use super::limit::{By, Limit, View};
 use super::ping::Ping;
 use super::rules::Rules;
-use crate::world::plane::{Point, add, times};
+use crate::geometry::plane::{Point, add, times};
 
 /// Bearings at which the free limit is known.
 pub const BEARINGS: usize = 21;

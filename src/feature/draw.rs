@@ -4,7 +4,7 @@ use super::decide::{BEARINGS, Case, Decision};
 use super::features::{Corner, Features, Wall, hit};
 use super::ping::Ping;
 use super::update::{Fan, Origin, Part, Routine, Update};
-use crate::world::plane::{Point, add, distance, dot, times};
+use crate::geometry::plane::{Point, add, distance, dot, times};
 
 /// A wall is occupied, and freed before, so much beyond its ends, metres.
 const BEYOND: f64 = 0.15;

@@ -1,7 +1,7 @@
 //! The features of a place: walls with faces and extents, corners where two meet, points.
 
 use super::rcd::Rcd;
-use crate::world::plane::{Point, add, dot, times};
+use crate::geometry::plane::{Point, add, dot, times};
 
 /// A wall's face: a segment seen from one side.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 //! *safe line* that joins them: what lies behind it no echo has told of.
 
 use super::features::{Features, Wall, hit};
-use crate::world::plane::{Point, cross, distance, dot, from_segment, sub, times, unit};
+use crate::geometry::plane::{Point, cross, distance, dot, from_segment, sub, times, unit};
 
 /// An end hidden by something that is nearer by this, metres, isn't seen.
 const HIDDEN: f64 = 0.10;

@@ -2,7 +2,7 @@
 
 use super::features::{Features, hit};
 use super::rcd::Rcd;
-use crate::world::plane::{Point, distance, length, sub, times};
+use crate::geometry::plane::{Point, distance, length, sub, times};
 
 /// Such a line is no longer, metres.
 const LONGEST: f64 = 0.7;

@@ -2,7 +2,7 @@
 
 use super::features::{Corner, Known, Spot, Wall};
 use super::rcd::Rcd;
-use crate::world::plane::Point;
+use crate::geometry::plane::Point;
 use std::collections::BTreeMap;
 
 /// The features so far.

@@ -1,6 +1,6 @@
 //! Things by the squares of the plane that they lie in, so that a question about a place looks at what is near it alone.
 
-use crate::world::plane::Point;
+use crate::geometry::plane::Point;
 use std::collections::HashMap;
 
 /// Edge of a square, metres.

@@ -3,7 +3,7 @@
 use super::features::{Features, hit};
 use super::limit::{By, End, View};
 use super::rcd::Rcd;
-use crate::world::plane::Point;
+use crate::geometry::plane::Point;
 use std::f64::consts::FRAC_PI_2;
 
 /// A sighting passes through a wall that is nearer by this, metres.

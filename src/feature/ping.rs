@@ -1,8 +1,8 @@
 //! A reading as the stage sees it: where it was taken, which way, and what came back.
 
-use crate::reading::{Outcome, Reading, Record};
+use crate::geometry::plane::Point;
+use crate::log::reading::{Outcome, Reading, Record};
 use crate::sensor::Sensor;
-use crate::world::plane::Point;
 
 /// One sonar reading; a missing echo is kept, it frees what lies before a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]

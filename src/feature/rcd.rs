@@ -2,7 +2,7 @@
 //! because one surface sends it back.
 
 use super::ping::Ping;
-use crate::world::plane::{Point, add, cross, dot, sub, times};
+use crate::geometry::plane::{Point, add, cross, dot, sub, times};
 use std::f64::consts::{PI, TAU};
 
 /// Bearings farther apart than this are no dense scan, radians.

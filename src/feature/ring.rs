@@ -2,7 +2,7 @@
 
 use super::ping::Ping;
 use super::rcd::{Rcd, Source};
-use crate::world::plane::{Point, add, cross, distance, dot, sub, times};
+use crate::geometry::plane::{Point, add, cross, distance, dot, sub, times};
 use std::collections::BTreeMap;
 
 /// A run's travel: from which on it tells something, and where it ends, metres.

@@ -10,7 +10,7 @@ use super::rcd::{Rcd, regions};
 use super::ring::Runs;
 use super::rules::Rules;
 use super::update::Update;
-use crate::world::plane::{Point, distance};
+use crate::geometry::plane::{Point, distance};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Readings of one sensor in a scan from which on it is taken for a circular one.

@@ -1,8 +1,8 @@
 //! What a reading does to the map, as the stage hands it to the kernels: free regions, occupied lines, and their weights.
 
 use super::decide::Case;
-use crate::reading::Reading;
-use crate::world::plane::Point;
+use crate::geometry::plane::Point;
+use crate::log::reading::Reading;
 
 /// A star-shaped region around the sensor: the triangles between it and each two successive vertices.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! Wall or point: a plane shows another foot from elsewhere, on one line; a corner or an edge shows the same place.
 
 use super::rcd::{Rcd, Source};
-use crate::world::plane::{distance, dot, sub};
+use crate::geometry::plane::{distance, dot, sub};
 
 /// Scans nearer than this tell nothing of each other, metres.
 const APART: f64 = 0.15;

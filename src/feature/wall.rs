@@ -4,7 +4,7 @@ use super::features::{Features, Spot, Wall};
 use super::rcd::{Rcd, Source};
 use super::rules::Rules;
 use super::vote::same_place;
-use crate::world::plane::{Point, add, cross, distance, dot, meet, sub, times};
+use crate::geometry::plane::{Point, add, cross, distance, dot, meet, sub, times};
 
 /// Normals of one wall differ by less: cosine.
 const PARALLEL: f64 = 0.984_807_753; // cos 10°

@@ -1,5 +1,5 @@
 //! What a processor can do at most, measured by kernels that do nothing else: the bar that throughput is held against; twins
-//! of `shaders/ceiling/*.wgsl`.
+//! of `shaders/kernels/ceiling/*.wgsl`.
 
 use crate::Result;
 use fearless_simd::{Level, dispatch};

@@ -2,8 +2,8 @@
 
 use super::{Backend, Chunks, Limits, Shares};
 use crate::Result;
-use crate::batch::Batch;
-use crate::layout::Frame;
+use crate::binning::batch::Batch;
+use crate::geometry::layout::Frame;
 use crate::method::{Method, Step};
 use std::collections::BTreeMap;
 

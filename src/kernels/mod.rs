@@ -9,10 +9,10 @@ pub mod gpu;
 pub use choose::{Choice, Chosen, choose, gpu_required};
 
 use crate::Result;
-use crate::batch::Batch;
-use crate::layout::{Cone, Frame, NO_ECHO};
+use crate::binning::batch::Batch;
+use crate::geometry::layout::{Cone, Frame, NO_ECHO};
+use crate::log::reading::Outcome;
 use crate::method::{Method, Step};
-use crate::reading::Outcome;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -35,7 +35,7 @@ pub struct Limits {
     /// How often a thread may go round its loops ([`Batch::turns`]): Mesa's software adapter ends a loop without a word
     /// once all of a thread's have gone round 65535 times.
     pub turns: usize,
-    /// Whether the backend lists the tiles of a batch's cones itself ([`crate::batch::Binning::near`]).
+    /// Whether the backend lists the tiles of a batch's cones itself ([`crate::binning::batch::Binning::near`]).
     pub lists: bool,
 }
 

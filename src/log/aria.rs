@@ -3,7 +3,7 @@
 
 use super::format::{Format, Items, Mounted, Place, Probe, Source, check_pose, lasers_only, number};
 use super::text::{Parse, Scan, TextLog, file_of, look, sick_code};
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
 use std::collections::BTreeMap;

@@ -2,7 +2,7 @@
 //! opened, and every block must have the checksum that it had when it was first read: all passes read the same.
 
 use super::lines::LONGEST;
-use crate::positioned;
+use crate::support::positioned;
 use flate2::Crc;
 use std::collections::HashMap;
 use std::fs::{File, Metadata};

@@ -8,7 +8,7 @@ use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, lasers_
 use super::input::Input;
 use super::lines::Lines;
 use super::{BadLine, Problem};
-use crate::reading::Record;
+use crate::log::reading::Record;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
 use found::Found;

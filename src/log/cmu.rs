@@ -4,7 +4,7 @@
 use super::format::{Format, Items, Mounted, Place, Probe, Source, check_pose, lasers_only, number};
 use super::text::{Parse, SICK_CODES, Scan, TextLog, file_of};
 use crate::Result;
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 use crate::sensor::{Description, Kind};
 
 /// Beams of a scan.

@@ -1,7 +1,7 @@
 //! A line of echogrid's own log, whatever its syntax: the fields as they were given, made into a record.
 
 use super::format::{Mounted, check_pose, quote};
-use crate::reading::{Pose, Record};
+use crate::log::reading::{Pose, Record};
 use crate::sensor::{Kind, similar};
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -3,7 +3,7 @@
 
 use super::input::Input;
 use super::{Problem, aria, carmen, cmu, csv, jsonl, matlab, player, rostopic, sonar_ring_8};
-use crate::reading::{Pose, Record};
+use crate::log::reading::{Pose, Record};
 use crate::sensor::{Description, Kind, Sensor};
 use crate::{Error, Result};
 use std::collections::VecDeque;

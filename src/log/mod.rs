@@ -1,11 +1,12 @@
 //! Logs: files, folders or a stream of readings, told by their content and streamed in constant memory as often as needed.
 //!
 //! One file a format (see `format.rs` for the registry); `docs/formats.md` describes them for users. A log hands out
-//! [`Record`](crate::reading::Record)s as they were read; [`judge`](crate::reading::judge) decides what they are worth.
+//! [`Record`](crate::log::reading::Record)s as they were read; [`judge`](crate::log::reading::judge) decides what they are worth.
 
 mod aria;
 mod bytes;
 mod carmen;
+pub mod classes;
 mod cmu;
 mod codes;
 mod csv;
@@ -18,6 +19,7 @@ mod lines;
 mod matlab;
 mod player;
 mod poses;
+pub mod reading;
 mod records;
 mod rostopic;
 mod sensors;

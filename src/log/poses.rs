@@ -8,7 +8,7 @@ use super::rostopic::Layout;
 use super::table::{Columns, Rows, suggest};
 use super::text::look;
 use super::track::{Track, yaw};
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 use crate::sensor::Description;
 use crate::{Error, Result};
 use std::path::Path;

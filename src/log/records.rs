@@ -2,7 +2,7 @@
 
 use super::Problem;
 use super::format::{Items, Scans};
-use crate::reading::Record;
+use crate::log::reading::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -5,7 +5,7 @@
 use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose};
 use super::input::Input;
 use super::{BadLine, Problem};
-use crate::reading::{Pose, Record};
+use crate::log::reading::{Pose, Record};
 use crate::sensor::{Description, Kind, preset};
 use crate::{Error, Result};
 use rows::{Meeting, Row, Rows};

@@ -4,7 +4,7 @@ use super::format::{Items, Mounted, Scans, Source};
 use super::input::Input;
 use super::lines::Lines;
 use super::{BadLine, Problem};
-use crate::reading::{Pose, Record};
+use crate::log::reading::{Pose, Record};
 use crate::sensor::Description;
 use crate::{Error, Result};
 use std::sync::Arc;

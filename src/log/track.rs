@@ -1,6 +1,6 @@
 //! Poses by time: a robot's way, and where it was at a moment between two of them.
 
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 

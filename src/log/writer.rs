@@ -1,6 +1,6 @@
 //! Writes echogrid's own log as JSON Lines. Numbers are written so that they read back to the bit.
 
-use crate::reading::Record;
+use crate::log::reading::Record;
 use crate::sensor::Sensor;
 use crate::{Error, Result};
 use serde::Serialize;

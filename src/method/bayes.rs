@@ -6,12 +6,12 @@
 
 use super::settings::{Bayes, Likelihood, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step, odds};
+use crate::binning::snap::Snapped;
+use crate::geometry::layout::{COUNT, Cone, Frame};
+use crate::geometry::profile::murphy;
 use crate::grid::Class;
-use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
-use crate::layout::{COUNT, Cone, Frame};
-use crate::profile::murphy;
+use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
 use crate::sensor::Sensor;
-use crate::snap::Snapped;
 use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 use odds::Cells;

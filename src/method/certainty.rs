@@ -10,12 +10,12 @@
 
 use super::settings::{Certainty, Order, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
+use crate::binning::snap::Snapped;
+use crate::geometry::layout::{COUNT, Cone, FREE, Frame, OCCUPY};
+use crate::geometry::profile::{ONE_BITS, from_one, to_one};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
-use crate::layout::{COUNT, Cone, FREE, Frame, OCCUPY};
-use crate::profile::{ONE_BITS, from_one, to_one};
+use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
 use crate::sensor::Sensor;
-use crate::snap::Snapped;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, u32x16};
 

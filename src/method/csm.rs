@@ -11,8 +11,8 @@ pub(crate) use layers::ALPHA;
 pub use model::{CONTINUOUS, DISCRETE, SEMANTIC_CONTINUOUS, SEMANTIC_DISCRETE, reach};
 
 use super::settings::{Csm, FreeRule};
-use crate::kernels::cpu::Plane;
-use crate::layout::{Beam, Frame, IDLE, TILE, UNIT, YIELD};
+use crate::geometry::layout::{Beam, Frame, IDLE, TILE, UNIT, YIELD};
+use crate::method::driver::Plane;
 
 /// Plane of the marks, after the two counts.
 const MARKS: usize = 0;

@@ -5,13 +5,13 @@
 
 use super::settings::{DempsterShafer, MassModel, Rho, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
+use crate::binning::snap::Snapped;
+use crate::geometry::layout::{COUNT, Cone, Frame};
+use crate::geometry::profile::{log, murphy};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
-use crate::layout::{COUNT, Cone, Frame};
-use crate::profile::{log, murphy};
-use crate::reading::Outcome;
+use crate::log::reading::Outcome;
+use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
 use crate::sensor::Sensor;
-use crate::snap::Snapped;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 

@@ -6,12 +6,12 @@
 use super::odds::{self, Cells, MOST, likelihood};
 use super::settings::{Features, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step, Unit};
+use crate::binning::snap::Snapped;
+use crate::geometry::layout::{COUNT, Cone, Frame, Shapes};
+use crate::geometry::profile::murphy;
 use crate::grid::Class;
-use crate::kernels::cpu::{Job, walk_updates};
-use crate::layout::{COUNT, Cone, Frame, Shapes};
-use crate::profile::murphy;
+use crate::method::driver::{Job, walk_updates};
 use crate::sensor::Sensor;
-use crate::snap::Snapped;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 

@@ -7,10 +7,10 @@
 
 use super::settings::{Himm, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step};
+use crate::binning::snap::Footprint;
+use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
-use crate::layout::{COUNT, Cone, Frame};
-use crate::snap::Footprint;
+use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
 use fearless_simd::prelude::*;
 use fearless_simd::u32x16;
 

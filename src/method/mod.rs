@@ -8,32 +8,23 @@ pub mod bayes;
 pub mod certainty;
 pub mod csm;
 pub mod dempster_shafer;
+pub mod driver;
 pub mod features;
 pub mod himm;
 pub mod odds;
 pub mod settings;
 pub mod truth;
 
+use crate::binning::snap::{Footprint, Snapped};
+use crate::geometry::layout;
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::Job;
-use crate::layout;
-use crate::reading::Outcome;
+use crate::log::reading::Outcome;
 use crate::sensor::Sensor;
-use crate::similar::meant;
-use crate::snap::{Footprint, Snapped};
+use crate::support::similar::meant;
 use crate::{Error, Result};
+use driver::Job;
+pub use driver::Pass;
 use settings::Settings;
-
-/// One kernel over a chunk's tiles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Pass {
-    /// Σ of the evidence on each reading's arc, tile by tile, from emptiness alone.
-    Weigh,
-    /// Arc cells of each reading.
-    Count,
-    /// The update of the cells.
-    Fuse,
-}
 
 /// One step of a sweep over a batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -255,4 +246,10 @@ pub fn groups(method: &dyn Method) -> usize {
 /// The method's name in the registry.
 pub fn name(method: &dyn Method) -> &'static str {
     REGISTRY.iter().find(|e| (e.make)(method.settings()).is_some()).map_or("", |e| e.name)
+}
+
+/// Adds numbers to sums, one by one.
+pub(crate) fn add(numbers: &[f64], sums: &mut Vec<f64>) {
+    sums.resize(numbers.len().max(sums.len()), 0.0);
+    sums.iter_mut().zip(numbers).for_each(|(sum, n)| *sum += n);
 }

@@ -6,10 +6,10 @@
 //! word of their own before they can leave f32's range.
 
 use super::LayerSpec;
+use crate::geometry::layout::Frame;
+use crate::geometry::profile::{ONE_BITS, from_one, to_one};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::Plane;
-use crate::layout::Frame;
-use crate::profile::{ONE_BITS, from_one, to_one};
+use crate::method::driver::Plane;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 

@@ -77,7 +77,7 @@ pub enum Likelihood {
 /// Bayes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bayes {
-    /// A reading's likelihoods; `None`: by sensor, Murphy's for sonars and constant for lasers (a [`Session`](crate::session::Session)
+    /// A reading's likelihoods; `None`: by sensor, Murphy's for sonars and constant for lasers (a [`Session`](crate::pipeline::session::Session)
     /// looks at the log's; without one it is Murphy's).
     pub model: Option<Likelihood>,
     /// Murphy's Max_occ: P(s|occupied) is at most this.

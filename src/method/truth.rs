@@ -5,10 +5,10 @@
 
 use super::settings::Settings;
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
+use crate::binning::snap::Footprint;
+use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::grid::{Class, Scale};
-use crate::kernels::cpu::{Job, Kernel, Plane, Reached, walk};
-use crate::layout::{COUNT, Cone, Frame};
-use crate::snap::Footprint;
+use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
 use fearless_simd::Simd;
 
 /// The registry's line.

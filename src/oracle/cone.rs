@@ -5,7 +5,7 @@
 
 use super::{CellUpdate, Region};
 use crate::grid::GridSpec;
-use crate::reading::{Outcome, Reading};
+use crate::log::reading::{Outcome, Reading};
 use crate::sensor::Sensor;
 use crate::{Error, Result};
 

@@ -9,10 +9,10 @@ pub(super) use cell::is_faint;
 
 use super::bound::U;
 use super::{OracleLayer, OracleMap};
+use crate::binning::scan::Scan;
 use crate::grid::GridSpec;
 use crate::method::csm::ALPHA;
 use crate::method::settings::Csm;
-use crate::scan::Scan;
 use beam::{Place, Vector, dot, nearest, place, round};
 use cell::{Cell, LEAST};
 use rayon::prelude::*;

@@ -3,8 +3,8 @@
 use super::vectors::{reading, sonar};
 use super::{OracleMap, cells_of, map};
 use crate::grid::GridSpec;
+use crate::log::reading::{Outcome, Reading};
 use crate::method::settings::Settings;
-use crate::reading::{Outcome, Reading};
 use proptest::prelude::*;
 
 const RESOLUTION: f64 = 0.125;

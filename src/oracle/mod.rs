@@ -28,8 +28,8 @@ pub use features::{map_updates, reaches};
 pub use working::{Working, WorkingCell, working, working_of};
 
 use crate::grid::GridSpec;
+use crate::log::reading::Reading;
 use crate::method::settings::Settings;
-use crate::reading::Reading;
 use crate::sensor::Sensor;
 use crate::{Error, Result};
 use cone::{Cell, Cone, Rule};

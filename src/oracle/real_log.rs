@@ -4,8 +4,8 @@
 use super::vectors::{reading, sonar};
 use super::{OracleMap, map};
 use crate::grid::GridSpec;
+use crate::log::reading::{Outcome, Reading};
 use crate::method::settings::{Bayes, Certainty, Order, Settings};
-use crate::reading::{Outcome, Reading};
 use crate::sensor::Sensor;
 use std::path::PathBuf;
 

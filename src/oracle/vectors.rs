@@ -4,8 +4,8 @@ use super::bound::Approx;
 use super::cone::{Cone, Rule};
 use super::{Region, bayes, certainty, dempster_shafer, map, working};
 use crate::grid::GridSpec;
+use crate::log::reading::{Outcome, Pose, Reading, Record};
 use crate::method::settings::{Bayes, DempsterShafer, Himm, Settings};
-use crate::reading::{Outcome, Pose, Reading, Record};
 use crate::sensor::{AtMax, Kind, Sensor};
 
 /// A sonar at the robot's centre with nothing special about it.

@@ -3,8 +3,8 @@
 use super::cone::Cone;
 use super::{CellUpdate, Region, Tally, bayes, certainty, cones, dempster_shafer};
 use crate::grid::GridSpec;
+use crate::log::reading::Reading;
 use crate::method::settings::{Order, Settings};
-use crate::reading::Reading;
 use crate::sensor::Sensor;
 use crate::{Error, Result};
 

@@ -5,7 +5,7 @@ use super::names::{REPORT, STORE};
 use super::zarr::{Reader, Tried};
 use super::{folder, report};
 use crate::grid::Map;
-use crate::whole::places;
+use crate::grid::places;
 use crate::{Error, Result};
 use serde_json::Value;
 use std::path::Path;
@@ -45,7 +45,7 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
                 Some(bytes) => (found.shards, found.bytes) = (found.shards + 1, found.bytes + bytes),
                 None => {
                     // All fill: nothing to test, and its sum is known.
-                    let part = reader.fill(k) * crate::whole::part(&reader.grid, at).cells() as f64;
+                    let part = reader.fill(k) * crate::grid::part(&reader.grid, at).cells() as f64;
                     all = [all[0] + part, all[1].min(reader.fill(k)), all[2].max(reader.fill(k))];
                     continue;
                 }
@@ -75,7 +75,7 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
 fn tally(reader: &Reader, layer: usize, at: [u32; 2]) -> Tried<[f64; 3]> {
     let layer = reader.shard(layer, at)?;
     let map = Map {
-        grid: crate::whole::part(&reader.grid, at),
+        grid: crate::grid::part(&reader.grid, at),
         method: String::new(),
         layers: vec![layer],
         updates: 0,

@@ -7,8 +7,8 @@ use super::names::{FEATURES, FEATURES_PARTIAL, FEATURES_PICTURE, FEATURES_PICTUR
 use super::unwritable;
 use crate::Result;
 use crate::feature::{Known, Rcd};
+use crate::geometry::plane::Point;
 use crate::grid::GridSpec;
-use crate::world::plane::Point;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -31,7 +31,7 @@ pub(crate) use zarr::{Pieces, Stored, StoredLayer};
 pub use zarr::{StoredMap, read_map};
 
 use crate::grid::{Layer, Map};
-use crate::whole::{part, places};
+use crate::grid::{part, places};
 use crate::{Error, Result};
 use std::path::Path;
 

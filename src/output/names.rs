@@ -1,6 +1,7 @@
 //! The names of all files that a map's folder may hold. Outputs take their names from here, and [`Folder`](super::Folder) tells
 //! a map's own files by them: no other file is ever removed.
 
+use crate::pipeline::out_of_core;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,7 @@ pub(crate) struct Name(&'static str);
 
 /// Constants of names, and a list of them all, so that no name is missing in the list.
 macro_rules! names {
-    ($all:ident: $($(#[$about:meta])* $name:ident = $text:literal;)*) => {
+    ($all:ident: $($(#[$about:meta])* $name:ident = $text:expr;)*) => {
         $($(#[$about])* pub(crate) const $name: Name = Name($text);)*
         const $all: &[Name] = &[$($name),*];
     };
@@ -54,8 +55,8 @@ names! { STEPS:
     RUN = "run.json";
     PROGRESS = "progress.jsonl";
     /// What the rounds before the last have found.
-    FOUND = "found.bin";
-    FOUND_PARTIAL = "found.partial";
+    FOUND = out_of_core::FOUND;
+    FOUND_PARTIAL = out_of_core::FOUND_PARTIAL;
     /// Pictures under way.
     CANVAS = "*.canvas";
     OVERVIEW_CANVAS = "overview-#.canvas";

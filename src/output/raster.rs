@@ -2,7 +2,8 @@
 //! or last.
 
 use super::unwritable;
-use crate::{Result, positioned};
+use crate::Result;
+use crate::support::positioned;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@ use super::unwritable;
 use crate::Result;
 use crate::feature::Summary;
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
-use crate::reading::Counts;
+use crate::log::reading::Counts;
 use crate::sensor::{AtMax, Kind, Sensor};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
@@ -247,7 +247,7 @@ impl Report {
             (0..4).for_each(|k| cells[k] += tally.cells[k]);
             updates += tally.updates;
             let gains: Vec<f64> = tally.increments.iter().map(|b| f64::from_bits(b.0)).collect();
-            crate::layers::add(&gains, &mut increments);
+            crate::method::add(&gains, &mut increments);
             layers
                 .iter_mut()
                 .zip(&tally.layers)

@@ -9,7 +9,8 @@ use super::raster::{Block, Raster};
 use super::report::{self, Tally};
 use super::{Report, RunInfo, figure, npy, png, ros, unwritable, zarr};
 use crate::grid::{Data, GridSpec, Layer, Map};
-use crate::whole::{EDGE, Place, part, places};
+use crate::grid::{EDGE, Place, part, places};
+use crate::pipeline::out_of_core::{Chunk, ChunkSink};
 use crate::{Error, Result};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -51,6 +52,16 @@ pub struct MapWriter {
     canvases: Vec<Raster>,
     done: BTreeMap<Place, Tally>,
     progress: File,
+}
+
+impl ChunkSink for MapWriter {
+    fn done(&self) -> BTreeSet<Place> {
+        self.done.keys().copied().collect()
+    }
+
+    fn write(&mut self, chunk: &Chunk) -> Result<()> {
+        self.chunk(chunk.place, &chunk.finished.map, &chunk.finished.combined)
+    }
 }
 
 impl MapWriter {
@@ -120,11 +131,6 @@ impl MapWriter {
         let lines = text[..whole].lines().map(serde_json::from_str::<(Place, Tally)>);
         self.done = lines.collect::<serde_json::Result<_>>().map_err(|e| unwritable(path, e))?;
         Ok(())
-    }
-
-    /// The chunks that are written.
-    pub fn done(&self) -> BTreeSet<Place> {
-        self.done.keys().copied().collect()
     }
 
     /// Writes a chunk's part of the map to every file, and notes it.

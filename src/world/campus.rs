@@ -1,11 +1,12 @@
 //! A campus of any size from a seed: streets round blocks, in each block a building with a corridor, rooms with doors and
 //! a piece of furniture each; the path covers streets, corridors and rooms.
 
-use super::plane::Point;
 use super::random::Random;
 use super::shape::{Surface, Wall};
 use super::text::Part;
-use crate::{Error, Result, memory};
+use crate::geometry::plane::Point;
+use crate::support::memory;
+use crate::{Error, Result};
 
 /// Memory that a block's walls, corners and stops take, bytes: measured, and a tenth more.
 const BLOCK_BYTES: u64 = 65_000;

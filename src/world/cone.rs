@@ -1,8 +1,8 @@
 //! The nearest surface in a cone: what a sonar without specularity measures, and where a rough wall sends sound back.
 
 use super::echo::{Echo, Heard, Ping, loss};
-use super::plane::{Point, along, cross, distance, dot, nearest_share, sub, unit};
 use super::shape::{Arc, Wall};
+use crate::geometry::plane::{Point, along, cross, distance, dot, nearest_share, sub, unit};
 
 /// What a rough surface sends back of what falls on it squarely.
 const SCATTER: f64 = 0.3;

@@ -2,8 +2,8 @@
 //! neighbouring arms.
 
 use super::index::Index;
-use super::plane::{Point, along, cross, distance, dot, from_segment, meet, nearest_share, sub, unit};
 use super::shape::{Corner, CornerKind, Wall};
+use crate::geometry::plane::{Point, along, cross, distance, dot, from_segment, meet, nearest_share, sub, unit};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 

@@ -7,9 +7,9 @@
 use super::cone;
 use super::corner::SAME;
 use super::index::{Index, TRIM, crossing};
-use super::plane::{Point, Wedge, add, distance, dot, from_segment, length, meet, mirror, sub, times, unit};
 use super::random::Random;
 use super::shape::{Arc, Corner, Surface, Wall};
+use crate::geometry::plane::{Point, Wedge, add, distance, dot, from_segment, length, meet, mirror, sub, times, unit};
 
 /// How echoes are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -279,7 +279,7 @@ impl Scene {
         if !(0.0..=1.0).contains(&u) || !(0.0..=1.0).contains(&t) {
             return None;
         }
-        let bounce = super::plane::along(from, image, t);
+        let bounce = crate::geometry::plane::along(from, image, t);
         Some(([bounce, at, at], 2, bounce))
     }
 }
@@ -299,7 +299,7 @@ impl Ping {
         if cosine < 0.4 {
             return None; // beams are no wider than 60°
         }
-        let angle = super::plane::cross(self.axis, direction).atan2(cosine);
+        let angle = crate::geometry::plane::cross(self.axis, direction).atan2(cosine);
         let share = (angle / self.half_width).powi(2);
         (share <= 1.0).then(|| (-KAPPA * share).exp())
     }

@@ -4,12 +4,12 @@ use super::campus::{self, Campus};
 use super::corner::corners;
 use super::index::Index;
 use super::path::{self, Closed, Outline, Way};
-use super::plane::{Point, add, cross, distance};
 use super::rig::Rig;
 use super::shape::{Arc, SURFACES, Surface, Wall};
 use super::text::{Part, Text};
 use super::{World, index};
 use crate::Result;
+use crate::geometry::plane::{Point, add, cross, distance};
 use sha2::{Digest, Sha256};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -196,7 +196,7 @@ impl Builder<'_> {
         for i in 0..corners.len() {
             for k in i + 2..corners.len() - usize::from(i == 0) {
                 let next = |k: usize| corners[(k + 1) % corners.len()];
-                let met = super::plane::meet(corners[i], next(i), corners[k], next(k));
+                let met = crate::geometry::plane::meet(corners[i], next(i), corners[k], next(k));
                 if met.is_some_and(|(t, u)| (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)) {
                     let what = format!(
                         "the outline crosses itself (with the side before line {}): reorder its points",

@@ -2,8 +2,10 @@
 //! reach through the walls before it.
 
 use super::echo::{Echo, Ping, Scene, loss};
-use super::plane::{Point, Wedge, along, cross, cut, distance, dot, from_segment, meet, mirror, sub, times, unit};
 use super::shape::Wall;
+use crate::geometry::plane::{
+    Point, Wedge, along, cross, cut, distance, dot, from_segment, meet, mirror, sub, times, unit,
+};
 
 /// Cosine of 86°: two walls this near to square make a point reflector, not an image.
 const SQUARE: f64 = 0.069_756_473_744_125_3;

@@ -1,7 +1,7 @@
 //! Which walls and arcs lie where: a uniform grid, so that a ray or a scan in a campus looks at its neighbourhood only.
 
-use super::plane::{Point, add, cross, dot, from_segment, length, meet, sub, times};
 use super::shape::{Arc, Surface, Wall};
+use crate::geometry::plane::{Point, add, cross, dot, from_segment, length, meet, sub, times};
 
 /// Legs are shortened by this at both ends, metres, so that the wall on which one ends doesn't hide its own point.
 pub(crate) const TRIM: f64 = 1e-4;

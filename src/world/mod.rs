@@ -2,7 +2,6 @@
 //! that would be heard there, and the map that ought to come out. `docs/worlds.md` describes the files.
 
 pub mod random;
-pub mod plane;
 pub mod shape;
 pub mod rig;
 pub mod truth;
@@ -27,9 +26,9 @@ pub use shipped::{SHIPPED, Shipped};
 pub use simulate::{Simulated, scan, simulate};
 pub use truth::true_map;
 
-use crate::reading::Pose;
+use crate::geometry::plane::Point;
+use crate::log::reading::Pose;
 use crate::{Error, Result};
-use plane::Point;
 use shape::{Arc, Corner, Wall};
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! Where the robot scans: along way points, one step from the next, or at given poses.
 
 use super::index::Index;
-use super::plane::{Point, along, distance, from_segment, nearest_share, sub};
 use super::text::Part;
-use crate::reading::Pose;
+use crate::geometry::plane::{Point, along, distance, from_segment, nearest_share, sub};
+use crate::log::reading::Pose;
 use crate::{Error, Result};
 use std::path::Path;
 

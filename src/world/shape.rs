@@ -1,6 +1,6 @@
 //! What a world is made of: walls, arcs, and the corners they make, each with a surface and perhaps a class.
 
-use super::plane::{Point, cross, distance, dot, length, sub};
+use crate::geometry::plane::{Point, cross, distance, dot, length, sub};
 use std::f64::consts::TAU;
 
 /// How a surface answers. `worlds.md` has the table.

@@ -7,7 +7,7 @@ use super::path::rounded;
 use super::random::Random;
 use super::rig::{Rig, Transducer};
 use crate::log::Writer;
-use crate::reading::{Pose, Record};
+use crate::log::reading::{Pose, Record};
 use crate::sensor::Kind;
 use crate::{Error, Result};
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Reads a world's TOML with the line of every key and value, so that an error can say where and what to do.
 
-use super::plane::Point;
+use crate::geometry::plane::Point;
 use crate::sensor::{Value, angle, length, similar};
 use crate::{Error, Result};
 use std::ops::Range;

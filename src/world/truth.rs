@@ -7,8 +7,8 @@
 
 use super::World;
 use super::index::Index;
-use super::plane::{Point, Wedge, along, cut, distance, dot, sub};
 use super::shape::{Arc, Wall};
+use crate::geometry::plane::{Point, Wedge, along, cut, distance, dot, sub};
 use crate::grid::{Class, GridSpec};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -78,7 +78,7 @@ fn visible(index: &Index, from: Point, r_max: f64) -> Vec<(u32, Span)> {
             // the part of the other that stands in the triangle from the point to this wall
             let Some(span) = wedge.clip(other.a, other.b) else { continue };
             let e = sub(wall.b, wall.a);
-            let front = |p: Point| side * super::plane::cross(e, sub(p, wall.a)) - 1e-9;
+            let front = |p: Point| side * crate::geometry::plane::cross(e, sub(p, wall.a)) - 1e-9;
             let Some(span) = cut(span, front(other.a), front(other.b)) else { continue };
             let shadow = [span.0, span.1].map(|t| shadow_of(from, along(other.a, other.b, t), wall));
             shadows.push((shadow[0].min(shadow[1]), shadow[0].max(shadow[1])));
@@ -100,7 +100,7 @@ fn visible(index: &Index, from: Point, r_max: f64) -> Vec<(u32, Span)> {
 
 /// Where the ray from a point through another meets a wall's line, as a share of the wall.
 fn shadow_of(from: Point, through: Point, wall: &Wall) -> f64 {
-    super::plane::meet(from, through, wall.a, wall.b).map_or(f64::NAN, |(_, u)| u)
+    crate::geometry::plane::meet(from, through, wall.a, wall.b).map_or(f64::NAN, |(_, u)| u)
 }
 
 /// The part of a wall within range of a point.

@@ -3,7 +3,7 @@
 use crate::common::{above, equal, ping, right};
 use echogrid::feature::associate::{Association, associate};
 use echogrid::feature::{Corner, Features, Rules, Spot};
-use echogrid::world::plane::Point;
+use echogrid::geometry::plane::Point;
 
 fn room() -> Features {
     let corner = Corner { at: (3.0, 4.0), walls: [0, 1], probability: 1.0, legs: [None; 2] };

@@ -2,8 +2,8 @@
 
 use echogrid::feature::rcd::{Rcd, Source};
 use echogrid::feature::{Ping, Wall};
-use echogrid::reading::{Pose, Record};
-use echogrid::world::plane::Point;
+use echogrid::geometry::plane::Point;
+use echogrid::log::reading::{Pose, Record};
 
 /// Radius of a circular scan, metres.
 pub const CIRCLE: f64 = 0.14;

@@ -4,7 +4,7 @@ use crate::common::{above, equal, gap, near, point, region, right, way};
 use echogrid::feature::corner::{corners, cut};
 use echogrid::feature::rcd::Source;
 use echogrid::feature::{Corner, Features, Rcd, Rules, Spot, Wall};
-use echogrid::world::plane::Point;
+use echogrid::geometry::plane::Point;
 
 const AT: Point = (3.0, 4.0);
 

@@ -3,7 +3,7 @@
 use crate::common::{above, gap, region, right};
 use echogrid::feature::line::lines;
 use echogrid::feature::{Corner, Features, Rcd, Spot};
-use echogrid::world::plane::Point;
+use echogrid::geometry::plane::Point;
 
 /// Two walls at y = 2 with a gap around x = 0, made of region 0.
 fn gapped(wide: f64) -> Features {

@@ -4,7 +4,7 @@ use crate::common::{point, region};
 use echogrid::feature::phantom::drop_phantoms;
 use echogrid::feature::wall::{spots, walls};
 use echogrid::feature::{Features, Rcd};
-use echogrid::world::plane::Point;
+use echogrid::geometry::plane::Point;
 
 /// The features left of some regions: the y of the walls, the y of the points.
 fn left(rcds: &[Rcd], path: &[[Point; 2]]) -> [Vec<f64>; 2] {

@@ -1,7 +1,7 @@
 //! Which records the stage takes, and what the kernels get of them.
 
 use echogrid::feature::Ping;
-use echogrid::reading::{Outcome, Pose, Record};
+use echogrid::log::reading::{Outcome, Pose, Record};
 use echogrid::sensor::{AtMax, Kind, Sensor};
 
 fn of(range: f64) -> Option<Ping> {

@@ -4,7 +4,7 @@ use crate::common::{BEARINGS, CIRCLE, Numbers, circle, gap, near, off};
 use echogrid::feature::draw::Cells;
 use echogrid::feature::rcd::Source;
 use echogrid::feature::{Ping, Rules, Stage, Update};
-use echogrid::world::plane::Point;
+use echogrid::geometry::plane::Point;
 
 const CELLS: Cells = Cells { resolution: 0.1, epsilon: 0.05 };
 

@@ -4,23 +4,26 @@
 mod data;
 
 pub use data::data;
-use echogrid::compare::{self, compare, write_pictures};
+use echogrid::binning::batch::BATCH;
+use echogrid::binning::scan::{Scan, Scans};
+use echogrid::binning::update;
+use echogrid::evaluate::compare::{self, compare, write_pictures};
 use echogrid::feature::Update;
 use echogrid::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::kernels::gpu::shader::Kernel;
 use echogrid::kernels::gpu::{Gpu, Options};
-use echogrid::layers;
-use echogrid::mapper::{BATCH, Finished, Item, Mapper, Visits, Work};
+use echogrid::log::reading::{Counts, Reading};
 use echogrid::method::settings::{Csm, Settings};
 use echogrid::method::{self, Method, Step, Unit};
 use echogrid::oracle::{self, OracleMap};
-use echogrid::reading::{Counts, Reading};
-use echogrid::scan::{Scan, Scans};
+use echogrid::pipeline::finished::{Finished, Visits};
+use echogrid::pipeline::layers;
+use echogrid::pipeline::mapper::{Item, Mapper, Work};
+use echogrid::pipeline::out_of_core::Scanned;
+use echogrid::pipeline::updates;
 use echogrid::sensor::Sensor;
-use echogrid::update;
-use echogrid::whole::Scanned;
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -74,7 +77,7 @@ impl Scene {
     fn update(&self, method: &dyn Method, backend: &mut dyn Backend, batch: usize) -> Run {
         let updates = self.updates().into_iter().map(Ok);
         let (counts, work) =
-            update::apply(&self.grid, &self.sensors, method, backend, batch, updates, &|_| {}).unwrap();
+            updates::apply(&self.grid, &self.sensors, method, backend, batch, updates, &|_| {}).unwrap();
         let Finished { map, visits, .. } = layers::from_chunks(&self.grid, method, &backend.finish(method).unwrap());
         Run { map, visits, counts, work }
     }
@@ -84,7 +87,8 @@ impl Scene {
         // So little memory that beams are spilled with small batches.
         let memory = if batch < 100 { 0 } else { u64::MAX };
         let scans = scans.into_iter().map(Ok);
-        let scanned = Scanned::read(&self.grid, csm, scans, (&here, memory), &|_| {}).unwrap();
+        let scanned =
+            Scanned::read(&self.grid, csm.selection(self.grid.resolution), scans, (&here, memory), &|_| {}).unwrap();
         let work = scanned.apply(method, backend, batch, &|_| {}).unwrap();
         let Finished { map, visits, .. } = layers::from_chunks(&self.grid, method, &backend.finish(method).unwrap());
         Run { map, visits, counts: Counts::default(), work }

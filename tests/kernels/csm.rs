@@ -2,16 +2,17 @@
 
 use crate::common::{Scene, assert_oracle, data, gpu, say};
 use crate::scenes::{bounds, laser};
+use echogrid::binning::batch::BATCH;
+use echogrid::evaluate::verify::check;
+use echogrid::geometry::layout::Frame;
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
-use echogrid::layout::Frame;
 use echogrid::log::Options;
-use echogrid::mapper::{BATCH, Item};
+use echogrid::log::reading::{Outcome, Pose, Reading, Record};
 use echogrid::method::settings::{Csm, Settings};
 use echogrid::method::{self, csm};
-use echogrid::reading::{Outcome, Pose, Reading, Record};
-use echogrid::session::{Mapped, Request, Session};
-use echogrid::verify::check;
+use echogrid::pipeline::mapper::Item;
+use echogrid::pipeline::session::{Mapped, Request, Session};
 
 const INTEL: [&str; 2] = ["eecs568_intel/sample_Intel_dataset.mat", "eecs568_intel/sample_Intel_dataset_semantic.mat"];
 

@@ -2,15 +2,15 @@
 
 use crate::common::{Scene, against_oracle, gpu, kernels_of, open, patched_gpu, settings};
 use crate::scenes;
-use echogrid::compare::{self, compare};
+use echogrid::binning::batch::BATCH;
+use echogrid::evaluate::compare::{self, compare};
+use echogrid::evaluate::verify;
 use echogrid::kernels::gpu::Options;
 use echogrid::kernels::gpu::shader::source;
+use echogrid::log::reading::{Outcome, Record};
 use echogrid::log::{self, Writer};
-use echogrid::mapper::BATCH;
 use echogrid::method;
-use echogrid::reading::{Outcome, Record};
-use echogrid::session::{Request, Session};
-use echogrid::verify;
+use echogrid::pipeline::session::{Request, Session};
 use std::collections::BTreeMap;
 
 /// A change of the source, the methods that must notice, and where.

@@ -2,16 +2,16 @@
 
 use crate::common::{Run, Scene, cone_settings, settings};
 use crate::scenes::{laser, random, reading, scene, sonar};
-use echogrid::batch::{Batch, Binning};
+use echogrid::binning::batch::{Batch, Binning};
+use echogrid::binning::snap::{Footprint, snap};
+use echogrid::geometry::layout::{CELL, CHUNK, Cone, Frame, TILE, TILE_CELLS};
 use echogrid::grid::GridSpec;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::kernels::{Backend, Chunks};
-use echogrid::layout::{CELL, CHUNK, Cone, Frame, TILE, TILE_CELLS};
+use echogrid::log::reading::{Outcome, Reading};
 use echogrid::method::{self, Method, Step};
 use echogrid::oracle::OracleMap;
-use echogrid::reading::{Outcome, Reading};
 use echogrid::sensor::Sensor;
-use echogrid::snap::{Footprint, snap};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

@@ -2,12 +2,12 @@
 
 use crate::common::{every_settings, kernels_of};
 use crate::scenes;
+use echogrid::geometry::layout::*;
 use echogrid::kernels::gpu::adapter::Found;
 use echogrid::kernels::gpu::shader::{self, Kernel};
 use echogrid::kernels::gpu::{Gpu, Options};
-use echogrid::layout::*;
+use echogrid::method;
 use echogrid::method::Unit;
-use echogrid::{mapper, method};
 use std::collections::{BTreeMap, BTreeSet};
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ fn rust_shapes() -> BTreeMap<String, Shape> {
 
 #[test]
 fn structs_have_the_same_members_at_the_same_offsets() {
-    let module = parse(&text("shaders/layout.wgsl"), "layout.wgsl");
+    let module = parse(&text("shaders/geometry/layout.wgsl"), "layout.wgsl");
     let mut wgsl = BTreeMap::new();
     for (_, ty) in module.types.iter() {
         if let (Some(name), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner) {
@@ -62,7 +62,7 @@ fn structs_have_the_same_members_at_the_same_offsets() {
     }
     assert_eq!(wgsl, rust_shapes());
     // The table above leaves out no struct and no member of the Rust file.
-    let source = text("src/layout.rs");
+    let source = text("src/geometry/layout.rs");
     let listed = source.lines().filter_map(|l| l.strip_prefix("pub struct ")?.split_whitespace().next());
     assert_eq!(listed.collect::<BTreeSet<_>>(), wgsl.keys().map(String::as_str).collect());
     let members = source.lines().filter_map(|l| l.strip_prefix("    pub ")?.split_once(": ")).count();
@@ -72,8 +72,8 @@ fn structs_have_the_same_members_at_the_same_offsets() {
 #[test]
 fn element_types_agree() {
     // What offsets can't tell: signed or not, float or not. Each member's scalar kind, by name.
-    let module = parse(&text("shaders/layout.wgsl"), "layout.wgsl");
-    let source = text("src/layout.rs");
+    let module = parse(&text("shaders/geometry/layout.wgsl"), "layout.wgsl");
+    let source = text("src/geometry/layout.rs");
     fn kind(module: &naga::Module, ty: naga::Handle<naga::Type>) -> &'static str {
         match &module.types[ty].inner {
             naga::TypeInner::Scalar(s) | naga::TypeInner::Vector { scalar: s, .. } => match s.kind {
@@ -114,7 +114,7 @@ fn constants(module: &naga::Module) -> BTreeMap<String, f64> {
 
 #[test]
 fn constants_agree() {
-    let found = constants(&parse(&text("shaders/layout.wgsl"), "layout.wgsl"));
+    let found = constants(&parse(&text("shaders/geometry/layout.wgsl"), "layout.wgsl"));
     let number = |v: u32| f64::from(v);
     let wanted = BTreeMap::from(
         [
@@ -153,7 +153,7 @@ fn constants_agree() {
     );
     assert_eq!(found, wanted);
     // What the WGSL has no use for, and nothing else, is Rust's alone.
-    let source = text("src/layout.rs");
+    let source = text("src/geometry/layout.rs");
     let mut names: BTreeSet<&str> =
         source.lines().filter_map(|l| Some(l.strip_prefix("pub const ")?.split_once(':')?.0)).collect();
     assert!(names.remove("TILE_CELLS"), "TILE_CELLS is gone from layout.rs");
@@ -304,7 +304,7 @@ fn a_whole_dispatch_on_the_noop_backend() {
             workgroup_memory: limits.max_compute_workgroup_storage_size,
         };
         let mut gpu = Gpu::with_device(found, device, queue, &Options::default());
-        let run = scene.run(method.as_ref(), &mut gpu, mapper::BATCH);
+        let run = scene.run(method.as_ref(), &mut gpu, echogrid::binning::batch::BATCH);
         // Nothing was computed: but every buffer, binding, pipeline and dispatch was accepted.
         assert_eq!(run.map.updates, 0, "{name}");
         assert!(run.work.entries > 100, "{name}");

@@ -2,15 +2,15 @@
 
 use crate::common::{Scene, open};
 use crate::scenes;
-use echogrid::batch::{Batch, Binning, ChunkList};
+use echogrid::binning::batch::{Batch, Binning, ChunkList};
+use echogrid::binning::snap::{Footprint, snap};
+use echogrid::geometry::layout::{ARC, Cone, Entry, WIDE};
 use echogrid::kernels::gpu::{Gpu, Options, lists};
-use echogrid::layout::{ARC, Cone, Entry, WIDE};
-use echogrid::snap::{Footprint, snap};
 use std::collections::BTreeSet;
 
 /// A scene's readings, snapped, but for those that reach far.
 fn cones(scene: &Scene, footprint: Footprint) -> Vec<Cone> {
-    let snap = |(reading, edges): &echogrid::mapper::Item| {
+    let snap = |(reading, edges): &echogrid::pipeline::mapper::Item| {
         let sensor = &scene.sensors[reading.record.sensor as usize];
         let heading = reading.record.pose.heading;
         let edges = edges.unwrap_or((heading + sensor.half_width, heading - sensor.half_width));

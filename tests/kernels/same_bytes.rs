@@ -2,10 +2,10 @@
 
 use crate::common::{Scene, assert_same, every_settings, gpu, open, settings};
 use crate::scenes;
+use echogrid::binning::batch::BATCH;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::kernels::gpu::Options;
 use echogrid::kernels::{Backend, Limits};
-use echogrid::mapper::BATCH;
 use echogrid::method::settings::Settings;
 use echogrid::method::{self, Unit};
 
@@ -195,8 +195,8 @@ fn an_entry_limit_that_splits_batches_changes_nothing() {
         fn apply(
             &mut self,
             method: &dyn method::Method,
-            frame: echogrid::layout::Frame,
-            batch: &echogrid::batch::Batch,
+            frame: echogrid::geometry::layout::Frame,
+            batch: &echogrid::binning::batch::Batch,
             steps: &[method::Step],
             shares: &mut echogrid::kernels::Shares,
         ) -> echogrid::Result<()> {

@@ -1,15 +1,15 @@
 //! Scenes: real logs, and made-up readings that go where real ones rarely do. All are the same at every run.
 
 use crate::common::{Scene, data};
+use echogrid::binning::snap::Edges;
+use echogrid::binning::wedge;
 use echogrid::feature::{Case, Fan, Origin, Part, Routine, Update};
+use echogrid::geometry::plane::Point;
 use echogrid::grid::GridSpec;
+use echogrid::log::reading::{Outcome, Pose, Reading, Record, judge};
 use echogrid::log::{Log, Options};
-use echogrid::mapper::Item;
-use echogrid::reading::{Outcome, Pose, Reading, Record, judge};
+use echogrid::pipeline::mapper::Item;
 use echogrid::sensor::{AtMax, Kind, Sensor};
-use echogrid::snap::Edges;
-use echogrid::wedge;
-use echogrid::world::plane::Point;
 
 /// xorshift64*: the same numbers everywhere.
 pub struct Random(u64);

@@ -3,16 +3,18 @@
 use crate::common::{Run, Scene, assert_oracle, assert_same, gpu, patched_gpu};
 use crate::scenes::{self, bounds, reading, scene, sonar, updates_on};
 use echogrid::Error;
-use echogrid::compare::{self, compare};
+use echogrid::binning::update;
+use echogrid::evaluate::compare::{self, compare};
+use echogrid::evaluate::verify;
 use echogrid::feature::{Case, Fan, Origin, Part, Routine, Update};
 use echogrid::grid::GridSpec;
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::log::Writer;
+use echogrid::log::reading::Outcome;
 use echogrid::method::{self, settings::Settings};
-use echogrid::reading::Outcome;
-use echogrid::session::{Request, Session};
-use echogrid::{update, verify};
+use echogrid::pipeline::session::{Request, Session};
+use echogrid::pipeline::updates;
 
 fn features() -> Settings {
     Settings::of("features").unwrap()
@@ -223,7 +225,7 @@ fn what_reaches_too_far_is_refused() {
         let method = method::make(features());
         let updates = scene.updates().into_iter().map(Ok);
         let mut cpu = Cpu::new(1).unwrap();
-        let applied = update::apply(&scene.grid, &scene.sensors, method.as_ref(), &mut cpu, 8, updates, &|_| {});
+        let applied = updates::apply(&scene.grid, &scene.sensors, method.as_ref(), &mut cpu, 8, updates, &|_| {});
         match applied {
             Err(Error::Usage(message)) => assert!(message.contains(what), "{message}"),
             other => panic!("{what}: {other:?}"),

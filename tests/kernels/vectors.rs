@@ -4,13 +4,13 @@
 
 use crate::common::{Run, Scene, gpu, settings};
 use crate::scenes::{bounds, laser, reading, scene, sonar};
+use echogrid::binning::batch::BATCH;
 use echogrid::grid::GridSpec;
-use echogrid::mapper::BATCH;
+use echogrid::log::reading::Outcome::Hit;
+use echogrid::log::reading::Reading;
 use echogrid::method;
 use echogrid::method::settings::{DempsterShafer, MassModel, Settings};
 use echogrid::oracle;
-use echogrid::reading::Outcome::Hit;
-use echogrid::reading::Reading;
 use echogrid::sensor::Sensor;
 
 /// f32 profiles: a few ULP of values up to 1.
@@ -236,7 +236,7 @@ fn the_growth_rate_operator_is_refused_on_the_gpu() {
     let scene = one(sonar(15.0, 0.3, 10.0), 5.0);
     let items = scene.items.iter().map(|i| Ok(*i));
     let mut mapper =
-        echogrid::mapper::Mapper::new(scene.grid, &scene.sensors, method.as_ref(), &mut *gpu, BATCH).unwrap();
+        echogrid::pipeline::mapper::Mapper::new(scene.grid, &scene.sensors, method.as_ref(), &mut *gpu, BATCH).unwrap();
     let error = mapper.sweep(0, items).unwrap_err().to_string();
     assert!(error.contains("growth-rate") && error.contains("--backend cpu"), "{error}");
 }

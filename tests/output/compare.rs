@@ -1,7 +1,7 @@
 //! Comparing maps: a single bit is found, named and shown.
 
 use crate::common::{map, write};
-use echogrid::compare::{Options, compare, write_pictures};
+use echogrid::evaluate::compare::{Options, compare, write_pictures};
 use echogrid::grid::{Data, GridSpec, Map};
 use echogrid::output::read_map;
 

@@ -1,7 +1,7 @@
 //! Hand-made maps and truths of 5 × 5 cells.
 
+use echogrid::evaluate::score::{Options, Score, Truth, score};
 use echogrid::grid::{Data, GridSpec, Layer, Map, Scale};
-use echogrid::score::{Options, Score, Truth, score};
 
 pub const O: i8 = 1;
 pub const U: i8 = 0;

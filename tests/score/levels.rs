@@ -1,7 +1,7 @@
 //! Every error level, and the shares that are counted.
 
 use crate::common::*;
-use echogrid::score::{Options, Zones, level, score};
+use echogrid::evaluate::score::{Options, Zones, level, score};
 
 /// The centre cell's level.
 fn centre(truth: &[i8], map_: &[i8]) -> u8 {

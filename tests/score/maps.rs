@@ -1,8 +1,8 @@
 //! Which cells are compared: perfect maps, negatives, shifts, edges, grids that don't fit.
 
 use crate::common::*;
+use echogrid::evaluate::score::{Options, Truth, score};
 use echogrid::grid::{Data, GridSpec, Map};
-use echogrid::score::{Options, Truth, score};
 use echogrid::world::{World, true_map};
 use std::path::Path;
 

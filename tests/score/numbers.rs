@@ -1,8 +1,8 @@
 //! Measures of probabilities, requirements, the table.
 
 use crate::common::*;
+use echogrid::evaluate::score::{Options, Quality, Requirement, Score, Truth, probabilities, score, table};
 use echogrid::grid::Data;
-use echogrid::score::{Options, Quality, Requirement, Score, Truth, probabilities, score, table};
 
 fn close(found: Option<f64>, expected: f64) {
     assert!((found.unwrap() - expected).abs() < 1e-6, "{found:?}, not {expected}");

@@ -3,8 +3,8 @@
 use crate::common::Place;
 use crate::pictures::{ask, decode, json, level, tile};
 use echogrid::method::settings::Settings;
+use echogrid::pipeline::session::Request;
 use echogrid::sensor::Overrides;
-use echogrid::session::Request;
 use echogrid::view::log::{LogView, Options, Wanted};
 use echogrid::view::{Answer, Ask, View};
 use echogrid::{Error, Result, method};

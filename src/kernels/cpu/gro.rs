@@ -1,10 +1,10 @@
 //! HIMM with the growth-rate operator (Murphy 2000): readings one by one, in log order, for an occupied cell takes half of
 //! each neighbour's count.
 
-use crate::batch::Batch;
-use crate::cone::Sight;
+use crate::binning::batch::Batch;
+use crate::geometry::cone::Sight;
+use crate::geometry::layout::*;
 use crate::kernels::Chunks;
-use crate::layout::*;
 use crate::method::himm::{HIT, MOST, ONE};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};

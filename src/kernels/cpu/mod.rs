@@ -1,19 +1,11 @@
 //! The CPU's kernels: a tile a task (rayon), a row of 16 cells a vector of whatever width the processor has. They follow the WGSL operation by operation, in the same order.
 
 mod gro;
-mod reach;
-mod scan;
-mod update;
-mod walk;
-
-pub use reach::Reached;
-pub use scan::walk_scans;
-pub use update::{Regions, regions, walk_updates};
-pub use walk::{Job, Kernel, Plane, walk};
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
-use crate::batch::{Batch, ChunkList};
-use crate::layout::{CHUNK, Frame};
+use crate::binning::batch::{Batch, ChunkList};
+use crate::geometry::layout::{CHUNK, Frame};
+use crate::method::driver::{Job, simd_level};
 use crate::method::settings::Settings;
 use crate::method::{self, Method, Pass, Step};
 use crate::{Error, Result};
@@ -71,7 +63,7 @@ impl Backend for Cpu {
     }
 
     fn adapter(&self) -> String {
-        format!("{} threads, {}", threads(&self.pool), walk::simd_level())
+        format!("{} threads, {}", threads(&self.pool), simd_level())
     }
 
     fn ceilings(&mut self) -> Result<Option<super::ceiling::Ceilings>> {
@@ -210,7 +202,7 @@ fn run(
     });
 }
 
-/// The sum of each reading's parts, added in tile order to what its share holds; twin of `shaders/driver/sum.wgsl`.
+/// The sum of each reading's parts, added in tile order to what its share holds; twin of `shaders/method/driver/sum.wgsl`.
 fn sums(batch: &Batch, parts: &[AtomicU32], shares: &[[u32; 4]]) -> Shares {
     let before = |k: usize| shares.get(k).map_or(0.0, |s| f32::from_bits(s[0]));
     let part = |k: u32| f32::from_bits(parts[k as usize].load(Ordering::Relaxed));

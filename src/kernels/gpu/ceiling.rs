@@ -5,9 +5,9 @@ use super::shader::each;
 use crate::kernels::ceiling::{Ceilings, fastest};
 use crate::{Error, Result};
 
-const FMA: &str = include_str!("../../../shaders/ceiling/fma.wgsl");
-const INT: &str = include_str!("../../../shaders/ceiling/int.wgsl");
-const COPY: &str = include_str!("../../../shaders/ceiling/copy.wgsl");
+const FMA: &str = include_str!("../../../shaders/kernels/ceiling/fma.wgsl");
+const INT: &str = include_str!("../../../shaders/kernels/ceiling/int.wgsl");
+const COPY: &str = include_str!("../../../shaders/kernels/ceiling/copy.wgsl");
 
 /// Times that a computing thread's step stands in its loop: what the loop itself takes is to be little.
 const UNROLLED: u32 = 16;

@@ -114,7 +114,7 @@ impl Device {
                 "{} failed with {} of cells resident: {what}; give smaller --bounds, a coarser --resolution, a smaller \
                  --batch, or --backend cpu",
                 self.found,
-                crate::memory::show(resident)
+                crate::support::memory::show(resident)
             ))),
         }
     }

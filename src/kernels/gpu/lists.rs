@@ -1,20 +1,20 @@
 //! Lists made on the GPU, byte for byte those of `batch` but for where parts are; what the passes bind is twin of
-//! `shaders/list/*.wgsl`.
+//! `shaders/binning/list/*.wgsl`.
 
 use super::device::Device;
 use super::pool::{Piece, Pool};
 use super::{Gpu, Patch};
-use crate::batch::{Batch, Binning, ChunkList};
-use crate::layout::{ARCS, AXIS, BLOCKS, CHUNK, Entry, Frame, Lists, SEGMENT, Tile};
-use crate::snap::Footprint;
+use crate::binning::batch::{Batch, Binning, ChunkList};
+use crate::binning::snap::Footprint;
+use crate::geometry::layout::{ARCS, AXIS, BLOCKS, CHUNK, Entry, Frame, Lists, SEGMENT, Tile};
 use crate::{Error, Result};
 use bytemuck::Zeroable;
 
-const LAYOUT: &str = include_str!("../../../shaders/layout.wgsl");
-const COMPACT: &str = include_str!("../../../shaders/list/compact.wgsl");
-const NEAR: &str = include_str!("../../../shaders/list/near.wgsl");
-const MEETS: &str = include_str!("../../../shaders/list/meets.wgsl");
-const TILES: &str = include_str!("../../../shaders/list/tiles.wgsl");
+const LAYOUT: &str = include_str!("../../../shaders/geometry/layout.wgsl");
+const COMPACT: &str = include_str!("../../../shaders/binning/list/compact.wgsl");
+const NEAR: &str = include_str!("../../../shaders/binning/list/near.wgsl");
+const MEETS: &str = include_str!("../../../shaders/binning/list/meets.wgsl");
+const TILES: &str = include_str!("../../../shaders/binning/list/tiles.wgsl");
 
 /// A chunk's lists on the device.
 pub struct Listed {

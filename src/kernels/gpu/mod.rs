@@ -12,9 +12,9 @@ mod upload;
 pub mod vulkan;
 
 use super::{Backend, Chunks, Limits, Shares, shares, tally};
-use crate::batch::Batch;
-use crate::layout::{BLOCKS, CHUNK, Cone, Entry, Frame, SEGMENT, TILE_CELLS};
-use crate::mapper::BATCH;
+use crate::binning::batch::BATCH;
+use crate::binning::batch::Batch;
+use crate::geometry::layout::{BLOCKS, CHUNK, Cone, Entry, Frame, SEGMENT, TILE_CELLS};
 use crate::method::{self, Method, Step};
 use crate::{Error, Result};
 use adapter::Found;

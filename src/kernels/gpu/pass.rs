@@ -1,16 +1,16 @@
 //! Pipelines, made when they are first needed, and the recording of a pass; what passes bind is twin of
-//! `shaders/driver/readings.wgsl`, of `shaders/driver/scans.wgsl` and of `shaders/driver/updates.wgsl`.
+//! `shaders/method/driver/readings.wgsl`, of `shaders/method/driver/scans.wgsl` and of `shaders/method/driver/updates.wgsl`.
 
 use super::Options;
 use super::device::Device;
 use super::shader::{self, Kernel};
-use crate::layout::{BROAD, Cone, NARROW_BEAM, WIDE};
+use crate::binning::snap::Footprint;
+use crate::geometry::layout::{BROAD, Cone, NARROW_BEAM, WIDE};
 use crate::method::{self, Method, Unit};
-use crate::snap::Footprint;
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 
-/// Bindings, in the order of `shaders/layout.wgsl`: uniform, then storage, read-only or not.
+/// Bindings, in the order of `shaders/geometry/layout.wgsl`: uniform, then storage, read-only or not.
 const BINDINGS: [Option<bool>; 8] =
     [None, Some(true), Some(true), Some(true), Some(false), Some(false), Some(false), Some(true)];
 

@@ -2,25 +2,25 @@
 
 use crate::method::{self, Method, Pass, Unit};
 
-const LAYOUT: &str = include_str!("../../../shaders/layout.wgsl");
-const CONE: &str = include_str!("../../../shaders/cone.wgsl");
-const INT64: &str = include_str!("../../../shaders/int64.wgsl");
-const WIDE: &str = include_str!("../../../shaders/wide.wgsl");
-const NARROW: &str = include_str!("../../../shaders/narrow.wgsl");
-const PROFILE: &str = include_str!("../../../shaders/profile.wgsl");
-const READINGS: &str = include_str!("../../../shaders/driver/readings.wgsl");
-const SCANS: &str = include_str!("../../../shaders/driver/scans.wgsl");
-const ORDER: &str = include_str!("../../../shaders/scan/order.wgsl");
-const SCAN: &str = include_str!("../../../shaders/driver/scan.wgsl");
-const UPDATES: &str = include_str!("../../../shaders/driver/updates.wgsl");
-const REGION: &str = include_str!("../../../shaders/update/region.wgsl");
-const UPDATE: &str = include_str!("../../../shaders/driver/update.wgsl");
-const TILE: &str = include_str!("../../../shaders/driver/tile.wgsl");
-const STAGE: &str = include_str!("../../../shaders/driver/stage.wgsl");
-const FUSE: &str = include_str!("../../../shaders/driver/fuse.wgsl");
-const WEIGH: &str = include_str!("../../../shaders/driver/weigh.wgsl");
-const COUNT: &str = include_str!("../../../shaders/driver/count.wgsl");
-const SUM: &str = include_str!("../../../shaders/driver/sum.wgsl");
+const LAYOUT: &str = include_str!("../../../shaders/geometry/layout.wgsl");
+const CONE: &str = include_str!("../../../shaders/geometry/cone.wgsl");
+const INT64: &str = include_str!("../../../shaders/geometry/int64.wgsl");
+const WIDE: &str = include_str!("../../../shaders/geometry/cone/wide.wgsl");
+const NARROW: &str = include_str!("../../../shaders/geometry/cone/narrow.wgsl");
+const PROFILE: &str = include_str!("../../../shaders/geometry/profile.wgsl");
+const READINGS: &str = include_str!("../../../shaders/method/driver/readings.wgsl");
+const SCANS: &str = include_str!("../../../shaders/method/driver/scans.wgsl");
+const ORDER: &str = include_str!("../../../shaders/binning/scan/order.wgsl");
+const SCAN: &str = include_str!("../../../shaders/method/driver/scan.wgsl");
+const UPDATES: &str = include_str!("../../../shaders/method/driver/updates.wgsl");
+const REGION: &str = include_str!("../../../shaders/binning/update/region.wgsl");
+const UPDATE: &str = include_str!("../../../shaders/method/driver/update.wgsl");
+const TILE: &str = include_str!("../../../shaders/method/driver/tile.wgsl");
+const STAGE: &str = include_str!("../../../shaders/method/driver/stage.wgsl");
+const FUSE: &str = include_str!("../../../shaders/method/driver/fuse.wgsl");
+const WEIGH: &str = include_str!("../../../shaders/method/driver/weigh.wgsl");
+const COUNT: &str = include_str!("../../../shaders/method/driver/count.wgsl");
+const SUM: &str = include_str!("../../../shaders/method/driver/sum.wgsl");
 
 /// A kernel of a method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

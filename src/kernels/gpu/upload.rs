@@ -5,9 +5,9 @@ use super::lists::{Listed, Lister};
 use super::pool::{Piece, Pool};
 use super::slots;
 use super::timer::Timer;
-use crate::batch::{Batch, ChunkList};
+use crate::binning::batch::{Batch, ChunkList};
+use crate::geometry::layout::{CHUNK, Frame, Tile};
 use crate::kernels::Shares;
-use crate::layout::{CHUNK, Frame, Tile};
 use crate::method::{self, Method, Step, Unit};
 
 /// A chunk's buffers for one batch, or, where an adapter doesn't bind all of its cells at once, those of some of its tiles.

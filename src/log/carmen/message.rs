@@ -2,7 +2,7 @@
 
 use super::tag::{Family, Tag};
 use crate::log::format::{check_pose, number, quote};
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 
 /// How a laser's beams lie, as far as its messages say. Each layout is a sensor of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@ use crate::Result;
 use crate::log::format::{check_pose, number};
 use crate::log::input::Input;
 use crate::log::lines::Lines;
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 
 /// Odometry further apart in time than this is not interpolated, seconds.
 const GAP: f64 = 2.0;

@@ -4,7 +4,7 @@
 
 use super::message::{Message, Place};
 use super::tag::{Family, Tag};
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 use std::f64::consts::PI;
 
 /// A front scan tells the robot's heading for so long, seconds.

@@ -3,7 +3,7 @@
 use super::array::{Array, Read_};
 use super::fields::{Field, resolve};
 use crate::log::format::Beams;
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 use crate::sensor::angle;
 
 /// Readings as a file has them.

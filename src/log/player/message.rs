@@ -1,8 +1,8 @@
 //! One line of a Player log: who says it, when, and what.
 
 use crate::log::format::{number, quote};
+use crate::log::reading::Pose;
 use crate::log::track::yaw;
-use crate::reading::Pose;
 
 /// How the beams of a laser lie.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@ use super::format::{Format, Items, Mounted, Place, Probe, Source, check_pose};
 use super::input::Input;
 use super::text::{Parse, Scan, TextLog, file_of, look, sick_code};
 use super::track::Track;
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
 use message::{Layout, Message, What};

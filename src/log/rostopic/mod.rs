@@ -3,7 +3,7 @@
 
 use super::format::{Format, Items, Mounted, Place, Probe, Source, lasers_only};
 use super::text::{Parse, Scan, TextLog, file_of, look};
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
 use row::{Body, cell};

@@ -1,9 +1,9 @@
 //! Which cell of a row holds what: from the header that `rostopic echo -p` and its kin write, or, for `ros2 topic echo --csv`, which writes
 //! none, from the order of the message's fields.
 
+use crate::log::reading::Pose;
 use crate::log::text::real;
 use crate::log::track::yaw;
-use crate::reading::Pose;
 use std::ops::Range;
 
 /// Where a row's time stands.

@@ -4,7 +4,7 @@ use super::format::{Beams, Items, Mounted, Place, Source, check_pose, quote};
 use super::input::Input;
 use super::text::{Parse, Scan, TextLog, file_of, look};
 use super::{Options, csv};
-use crate::reading::Pose;
+use crate::log::reading::Pose;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
 use columns::{Column, Role};

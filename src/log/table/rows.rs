@@ -2,8 +2,8 @@
 
 use super::columns::{Columns, Role};
 use crate::log::format::quote;
+use crate::log::reading::Pose;
 use crate::log::text::real;
-use crate::reading::Pose;
 use std::borrow::Cow;
 
 /// What stands between cells.

@@ -2,9 +2,9 @@
 
 use super::MARKS;
 use super::layers::{self, Dirichlet, MOST};
+use crate::geometry::layout::COUNT;
 use crate::grid::Class;
-use crate::kernels::cpu::{Job, walk_scans};
-use crate::layout::COUNT;
+use crate::method::driver::{Job, walk_scans};
 use crate::method::settings::{Csm, Settings};
 use crate::method::{Cost, Entry, LayerSpec, Method, Pass, Step, Unit};
 
@@ -149,7 +149,7 @@ impl Method for Model {
 
     fn gains(&self, words: &[u32], sums: &mut Vec<f64>) {
         let (increments, classes) = self.increments(words);
-        crate::layers::add(&increments[..classes], sums);
+        crate::method::add(&increments[..classes], sums);
     }
 
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {

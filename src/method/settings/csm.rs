@@ -1,8 +1,9 @@
 //! The parameters of the counting sensor models.
 
 use super::{Key, key};
-use crate::classes::Classes;
+use crate::binning::scan::Selection;
 use crate::grid::Palette;
+use crate::log::classes::Classes;
 use crate::sensor::{angle, length};
 use crate::{Error, Result};
 use std::f64::consts::{PI, TAU};
@@ -83,6 +84,16 @@ impl Csm {
     /// How far beyond a hit, or beside a beam, a cell of that size may be touched, µm.
     pub fn margin(&self, resolution: f64) -> i32 {
         if self.continuous { (self.l * 1e6).round() as i32 } else { self.half_obstacle(resolution) }
+    }
+
+    /// Which poses and beams may touch a cell of that size, metres.
+    pub fn selection(&self, resolution: f64) -> Selection {
+        Selection {
+            neighbours: self.neighbours,
+            z_max: self.z_max,
+            margin: self.margin(resolution),
+            beam_width: (!self.continuous).then_some(self.w_beam),
+        }
     }
 
     /// The keys of `--set`.

@@ -1,7 +1,7 @@
 //! Poses and beams in integers, and which beam is the nearest.
 
+use crate::binning::scan::Scan;
 use crate::method::settings::Csm;
-use crate::scan::Scan;
 
 /// Length of a direction.
 pub(super) const LENGTH: f64 = 33_554_432.0;

@@ -1,9 +1,9 @@
 //! `features.svg`: walls, corners and points over the map's picture, +y up, with a scale in metres.
 
 use crate::feature::{Known, Wall};
+use crate::geometry::plane::{Point, add, times};
 use crate::grid::GridSpec;
 use crate::output::png::{factor, reduced};
-use crate::world::plane::{Point, add, times};
 
 /// The longer side of the map, pixels; what lies around it and below it.
 const EDGE: f64 = 1200.0;

@@ -2,7 +2,8 @@
 //! How many pixels there are is known, and checked, before memory is taken for them.
 
 use crate::grid::GridSpec;
-use crate::{Error, Result, memory};
+use crate::support::memory;
+use crate::{Error, Result};
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader};
 use std::io::Cursor;
 use std::path::Path;
@@ -200,7 +201,7 @@ fn fits(path: &Path, resolution: f64, width: usize, height: usize, bytes: u64) -
     }
     let grid = GridSpec { anchor: (0.0, 0.0), resolution, i0: 0, j0: 0, width, height };
     let remedy = format!("{} is too large: cut out the part that matters", path.display());
-    memory::check((width * height) as u64 * (PIXEL + 2 * bytes), None, &grid, &remedy).map_err(Fault::Memory)
+    grid.check_memory((width * height) as u64 * (PIXEL + 2 * bytes), None, &remedy).map_err(Fault::Memory)
 }
 
 /// The numbers of a text, between blanks and comments.

@@ -2,11 +2,11 @@
 //!
 //! Coordinates are cells, from the grid's lower left corner, y up: cell (column c, row r) has its centre at (c + ½, r + ½).
 
+use crate::binning::snap::{Footprint, snap};
+use crate::geometry::layout::{CELL, NARROW_BEAM, NO_ECHO};
 use crate::grid::GridSpec;
-use crate::layout::{CELL, NARROW_BEAM, NO_ECHO};
-use crate::reading::Reading;
+use crate::log::reading::Reading;
 use crate::sensor::Sensor;
-use crate::snap::{Footprint, snap};
 use crate::{Error, Result};
 use serde::Serialize;
 use std::f64::consts::TAU;

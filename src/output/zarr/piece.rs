@@ -3,7 +3,8 @@
 
 use super::{CHUNK, SHARD, Tried};
 use crate::grid::Data;
-use crate::{Error, Result, positioned};
+use crate::support::positioned;
+use crate::{Error, Result};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::fs::File;

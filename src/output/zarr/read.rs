@@ -2,9 +2,9 @@
 
 use super::{SHARD, Tried};
 use crate::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
+use crate::grid::{Place, part, places};
 use crate::output::folder;
 use crate::output::names::{REPORT, STORE};
-use crate::whole::{Place, part, places};
 use crate::{Error, Result};
 use rayon::prelude::*;
 use serde_json::{Map as Object, Value};

@@ -2,14 +2,14 @@
 
 use super::lane::Lane;
 use super::number;
+use crate::binning::scan::Scan;
 use crate::feature::{Case, Fan, Origin, Update};
+use crate::geometry::plane::Point;
 use crate::grid::GridSpec;
-use crate::mapper::Item;
+use crate::log::reading::{Outcome, Pose};
 use crate::output::ConeOutline;
-use crate::reading::{Outcome, Pose};
-use crate::scan::Scan;
+use crate::pipeline::mapper::Item;
 use crate::sensor::Kind;
-use crate::world::plane::Point;
 use serde_json::{Value, json};
 
 /// The last item; null at the log's beginning.

@@ -1,12 +1,12 @@
 //! A lane on the page's own GPU: the project's WGSL, the packed batches, and what came of them held against the CPU's cells.
 
 use super::lane::Lane;
+use crate::geometry::layout::{CHUNK, Frame, TILE, TILE_CELLS};
 use crate::kernels::gpu::part_bytes;
 use crate::kernels::gpu::shader::{self, Kernel};
 use crate::kernels::{self, Chunks};
-use crate::layout::{CHUNK, Frame, TILE, TILE_CELLS};
 use crate::method::{self, Pass, Step, Unit};
-use crate::step::{Cell, Packed, Tiles, cell_of, steps, tile_at, tile_of};
+use crate::pipeline::step::{Cell, Packed, Tiles, cell_of, steps, tile_at, tile_of};
 use crate::view::{Answer, Ask};
 use crate::{Error, Result};
 use bytemuck::bytes_of;

@@ -2,7 +2,7 @@
 
 use crate::kernels::Chunks;
 use crate::method::{self, Unit};
-use crate::step::{Items, Stepper, Tiles, tile_at};
+use crate::pipeline::step::{Items, Stepper, Tiles, tile_at};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

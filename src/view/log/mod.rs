@@ -11,8 +11,8 @@ pub use lane::Wanted;
 
 use super::pyramid::Pyramid;
 use super::{Answer, Ask, View};
-use crate::session::{Request, Session};
-use crate::step::{By, Stepper};
+use crate::pipeline::session::{Request, Session};
+use crate::pipeline::step::{By, Stepper};
 use crate::{Error, Result};
 use lane::Lane;
 use serde::Deserialize;
@@ -191,7 +191,7 @@ impl Lanes {
     }
 
     /// Brings the first lane to a position, while there is time, and the others to the same place of the log; what changed in each.
-    fn go(&mut self, to: usize, more: &mut dyn FnMut() -> bool) -> Result<Vec<crate::step::Tiles>> {
+    fn go(&mut self, to: usize, more: &mut dyn FnMut() -> bool) -> Result<Vec<crate::pipeline::step::Tiles>> {
         let mut changed = vec![self.all[0].stepper.go(to, more)?];
         let Some((first, rest)) = self.all.split_first_mut() else { return Ok(changed) };
         for lane in rest {

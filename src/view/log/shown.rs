@@ -1,11 +1,11 @@
 //! The views of a lane: what the page draws as tiles.
 
 use super::lane::Lane;
+use crate::geometry::layout::{TILE, TILE_CELLS};
 use crate::grid::Scale;
 use crate::kernels::Chunks;
-use crate::layout::{TILE, TILE_CELLS};
 use crate::method::{self, Method};
-use crate::step::{Tiles, tile_of};
+use crate::pipeline::step::{Tiles, tile_of};
 use crate::view::pyramid::{Pyramid, Shown};
 use crate::view::tile::{EDGE, Place};
 use crate::view::{Answer, Ask};

@@ -6,7 +6,7 @@ use super::{EVENTS, MOST_EVENTS, number, short};
 use crate::grid::Class;
 use crate::method::settings::Settings;
 use crate::output::{own_is, weigher};
-use crate::step::{Cell, CellStory, Event, explain};
+use crate::pipeline::step::{Cell, CellStory, Event, explain};
 use crate::view::Ask;
 use crate::{Error, Result, oracle};
 use serde_json::{Map, Value, json};
@@ -58,7 +58,7 @@ pub fn cell(lanes: &[Lane], ask: &Ask) -> Result<Value> {
 
 /// The poses and beams that speak of a cell, for a counting sensor model.
 fn chosen(lane: &Lane, column: usize, row: usize) -> Option<Value> {
-    let crate::step::Items::Scans(scans) = lane.stepper.items() else { return None };
+    let crate::pipeline::step::Items::Scans(scans) = lane.stepper.items() else { return None };
     let known = &scans.all[..lane.stepper.position()];
     let given = oracle::given(lane.stepper.grid(), known, &scans.csm, (column, row));
     let tell = |given: &oracle::Given| {
@@ -167,7 +167,7 @@ pub fn history(lane: &Lane, ask: &Ask) -> Result<Value> {
         false => EVENTS,
     };
     let history = lane.stepper.history(column, row, count)?;
-    let is_scans = matches!(lane.stepper.items(), crate::step::Items::Scans(_));
+    let is_scans = matches!(lane.stepper.items(), crate::pipeline::step::Items::Scans(_));
     let note = is_scans.then_some(
         "the beams that the cell takes now, one of each of its nearest poses; before and after are what each gained of α",
     );

@@ -2,9 +2,9 @@
 
 use super::plane::Laid;
 use crate::Result;
+use crate::evaluate::score::probabilities;
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
 use crate::output::{Pieces, Stored};
-use crate::score::probabilities;
 use crate::view::cache::Cache;
 use crate::view::{EDGE, Key, Place, Pyramid, Shown, pixels, tile};
 use serde_json::{Value, json};

@@ -1,11 +1,11 @@
 //! A map held against the truth: its score, its cells' error levels, the true classes.
 
 use super::plane::{Laid, Plane};
+use crate::evaluate::score::{LEVELS, NOT_COMPARED, Options, Truth, score};
 use crate::grid::Palette;
 use crate::output::{Stored, read_map};
-use crate::score::{LEVELS, NOT_COMPARED, Options, Truth, score};
 use crate::world::Shipped;
-use crate::{Error, Result, memory};
+use crate::{Error, Result};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -46,7 +46,7 @@ impl Scored {
         let other = if truth.is_dir() && Shipped::named(truth).is_none() { Stored::open(truth)?.bytes() } else { 0 };
         let needed = stored.bytes() + other + CELL * stored.grid.cells() as u64;
         let remedy = "look at it without --truth, or map it with smaller --bounds or a coarser --resolution";
-        memory::check(needed, cap, &stored.grid, remedy)?;
+        stored.grid.check_memory(needed, cap, remedy)?;
         let mut notes = Vec::new();
         let opened = Truth::open_noting(truth, None, &mut |what| notes.push(what))?;
         let map = read_map(&stored.path)?.map;

@@ -1,0 +1,33 @@
+// Which cones' boxes meet which block of tiles, in log order; twin of src/binning/batch/near.rs.
+//
+// For each segment of a chunk's cones and each block a list. A workgroup is a block and a segment, a thread a cone of WORKERS at a time.
+
+@group(0) @binding(0) var<uniform> lists: Lists;
+@group(0) @binding(1) var<storage, read> near: array<Near>;
+@group(0) @binding(2) var<storage, read_write> blocks: array<u32>;
+@group(0) @binding(3) var<storage, read_write> counts: array<u32>;
+
+@compute @workgroup_size(WORKERS)
+fn near_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let low = BLOCK * vec2<u32>(group.x % BLOCKS, group.x / BLOCKS);
+    let high = low + BLOCK;
+    let block = group.y * BLOCKS * BLOCKS + group.x;
+    begin(lane);
+    var count = 0u;
+    for (var turn = 0u; turn < SEGMENT / WORKERS; turn++) {
+        let k = group.y * SEGMENT + turn * WORKERS + lane;
+        var meets = false;
+        if k < lists.near {
+            let box = near[k];
+            meets = all(box.low < high) && all(box.high > low);
+        }
+        let place = rank(lane, turn, meets);
+        if meets {
+            blocks[block * SEGMENT + count + place.x] = k;
+        }
+        count += place.y;
+    }
+    if lane == 0u {
+        counts[block] = count;
+    }
+}

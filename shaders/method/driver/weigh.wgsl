@@ -1,0 +1,86 @@
+// Each tile's part of each reading's evidence on its arc; twin of src/method/driver/walk.rs (weigh).
+//
+// A kernel of its own because the update needs the whole sum. What the threads' groups of four cells come to is added up in one
+// order, down the tile's four columns of groups, then across: here where a stage is in workgroup memory, else in sum.wgsl, since
+// barriers cost a software adapter more than memory does. sum.wgsl adds up the tiles.
+
+@group(0) @binding(5) var<storage, read_write> parts: array<f32>;
+
+// Of each entry of a stage what its tile's 64 groups come to: single numbers, since threads that write parts of one vector race; one more
+// for each, so that entries begin in different banks.
+const STRIDE: u32 = 65u;
+var<workgroup> held: array<f32, STAGE * STRIDE>;
+
+// A row of the tile's groups.
+fn groups_of(at: u32) -> vec4<f32> {
+    return vec4<f32>(held[at], held[at + 1u], held[at + 2u], held[at + 3u]);
+}
+
+fn part_of_tile(at: u32) -> f32 {
+    let columns = groups_of(at) + groups_of(at + 4u) + groups_of(at + 8u) + groups_of(at + 12u) + groups_of(at + 16u)
+        + groups_of(at + 20u) + groups_of(at + 24u) + groups_of(at + 28u) + groups_of(at + 32u) + groups_of(at + 36u)
+        + groups_of(at + 40u) + groups_of(at + 44u) + groups_of(at + 48u) + groups_of(at + 52u) + groups_of(at + 56u)
+        + groups_of(at + 60u);
+    return (columns.x + columns.y) + (columns.z + columns.w);
+}
+
+// What a group of four cells comes to.
+fn part_of_group(cone: Cone, row: Row, cells: ptr<function, Cells>) -> f32 {
+    if any(row.interior | row.arc) {
+        let part = weigh_cells(cone, row, cells);
+        return (part.x + part.y) + (part.z + part.w);
+    }
+    return 0.0;
+}
+
+@compute @workgroup_size(THREADS)
+fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let tile = tiles[group.x];
+    if tile.entries.x == tile.entries.y {
+        return;
+    }
+    let at = tile.slot * PLANES * 64u + lane;
+    // each GROUP
+    let cell_GROUP = cell_of(tile, lane + GROUP * THREADS);
+    var cells_GROUP = load(at + GROUP * THREADS + 128u);
+    // end
+    var first = tile.entries.x;
+    while first < tile.entries.y {
+        let end = stage(first, tile.entries.y, lane);
+        for (var k = first; k < end; k++) {
+            let entry = entry_at(k, first);
+            let cone = cone_at(k, first);
+            let base = (k - first) * STRIDE + lane;
+            if TOLD_APART && (entry.cone & INSIDE) != 0u {
+                // each GROUP
+                _ = part_of_group(cone, look_inside(cone, cell_GROUP), &cells_GROUP);
+                // end
+            } else if TOLD_APART && (entry.cone & ARC) == 0u {
+                // each GROUP
+                _ = part_of_group(cone, look_before(cone, cell_GROUP), &cells_GROUP);
+                // end
+            } else {
+                // each GROUP
+                let part_GROUP = part_of_group(cone, look(cone, cell_GROUP), &cells_GROUP);
+                if STAGED {
+                    held[base + GROUP * THREADS] = part_GROUP;
+                } else if (entry.cone & ARC) != 0u {
+                    parts[entry.slot * 64u + lane + GROUP * THREADS] = part_GROUP;
+                }
+                // end
+            }
+        }
+        if STAGED {
+            workgroupBarrier();
+            for (var k = first + lane; k < end; k += THREADS) {
+                let entry = entry_at(k, first);
+                if (entry.cone & ARC) != 0u {
+                    parts[entry.slot] = part_of_tile((k - first) * STRIDE);
+                }
+            }
+            // Before the next stage's evidence overwrites this one's.
+            workgroupBarrier();
+        }
+        first = end;
+    }
+}

@@ -1,0 +1,342 @@
+//! Which readings reach which tile, in log order; `shaders/binning/list/tiles.wgsl` makes the same lists on a GPU.
+//!
+//! A batch is any number of readings. For every tile it holds the list of the cones that may touch it, with a flag where
+//! the arc may, and one where the tile is interior throughout. Lists may hold a cone too many, never one too few: the
+//! kernels decide each cell exactly.
+
+mod narrow;
+mod near;
+mod shape;
+
+use crate::binning::snap::{Footprint, region};
+use crate::geometry::layout::*;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use narrow::{Columns, Met, TILES};
+use rayon::prelude::*;
+use shape::{Extremes, Shape};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Readings that a batch holds by default: enough to fill any machine, few enough to bin in little memory.
+pub const BATCH: usize = 65_536;
+
+/// (Cone, tile) pairs that a batch may come to: they are what its memory goes into.
+pub const PAIRS: usize = 1 << 22;
+
+/// A chunk's share of a batch.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ChunkList {
+    /// Its place: chunk column, chunk row.
+    pub place: [u32; 2],
+    /// Its tiles that the batch reaches, by slot.
+    pub tiles: Vec<Tile>,
+    /// Their entries, in tile order, each tile's in log order.
+    pub entries: Vec<Entry>,
+    /// Instead of both, for a backend that lists tiles itself, the cones whose boxes meet the chunk, in log order.
+    pub near: Vec<Near>,
+}
+
+impl ChunkList {
+    /// (Cone, tile) pairs: those of the list, or, where the backend lists tiles, those of the boxes.
+    pub fn pairs(&self) -> usize {
+        let tiles = |n: &Near| ((n.high[0] - n.low[0]) * (n.high[1] - n.low[1])) as usize;
+        self.entries.len() + self.near.iter().map(tiles).sum::<usize>()
+    }
+}
+
+/// Readings, binned.
+#[derive(Debug, Clone, Default)]
+pub struct Batch {
+    /// The snapped readings, in log order.
+    pub cones: Vec<Cone>,
+    /// The chunks they reach, row by row.
+    pub chunks: Vec<ChunkList>,
+    /// Where each reading's parts begin; one more than there are readings.
+    pub first_part: Vec<u32>,
+    /// For a method that takes scans those instead of cones, of one chunk, in log order.
+    pub scans: Vec<Scan>,
+    /// Their beams.
+    pub beams: Vec<Beam>,
+    /// The centres of that chunk's columns, then of its rows, µm from the first cell's.
+    pub centres: Vec<i32>,
+    /// For a method that takes updates what each does beside its cone, …
+    pub shapes: Vec<Shapes>,
+    /// … and their points.
+    pub points: Vec<[i32; 2]>,
+}
+
+impl Batch {
+    /// How often a GPU's thread goes round its loops over a tile's list at most: once for each entry, and for each side of a fan or
+    /// line that may meet the tile, and once to leave or to skip each of these loops, in each of the thread's `groups` of four cells.
+    pub fn turns(&self, groups: usize) -> usize {
+        let sides = |entry: &Entry| match self.shapes.get(entry.index()) {
+            Some(shapes) => {
+                let count =
+                    |[from, to]: [u32; 2], bit: u32| 1 + if entry.slot & bit != 0 { (to - from) as usize } else { 0 };
+                let fans = (0..4).map(|k| count(shapes.fans[k], FAN << k)).sum::<usize>();
+                fans + (0..2).map(|k| count(shapes.lines[k], LINES << k)).sum::<usize>()
+            }
+            None => 0,
+        };
+        let tile = |list: &ChunkList, tile: &Tile| {
+            let entries = &list.entries[tile.entries[0] as usize..tile.entries[1] as usize];
+            entries.len() + groups * entries.iter().map(sides).sum::<usize>()
+        };
+        let tiles = |list: &ChunkList| list.tiles.par_iter().map(|t| tile(list, t)).max().unwrap_or(0);
+        self.chunks.iter().map(tiles).max().unwrap_or(0)
+    }
+}
+
+/// How readings are binned.
+#[derive(Debug, Clone, Copy)]
+pub struct Binning {
+    /// Columns and rows of the grid.
+    pub size: [usize; 2],
+    /// The cells that a reading concerns.
+    pub footprint: Footprint,
+    /// Whether a missing echo's arc is looked at (Dempster-Shafer counts its cells).
+    pub no_echo_arcs: bool,
+    /// Bin into this chunk (column, row) alone.
+    pub only: Option<[u32; 2]>,
+}
+
+/// For [`Binning::of`], of cones that are snapped.
+pub(crate) fn snapped(cone: &Cone) -> Option<Cone> {
+    Some(*cone)
+}
+
+/// A cone in a tile: the tile's slot in its chunk, and the entry.
+pub(crate) type Pair = (u16, Entry);
+
+/// What a run of readings reaches: each chunk's pairs in log order, by row and column; and where each reading's parts begin in
+/// the run.
+#[derive(Default)]
+struct Run {
+    chunks: BTreeMap<[u32; 2], Vec<Pair>>,
+    first_part: Vec<u32>,
+    parts: u32,
+}
+
+impl Binning {
+    /// Snaps items, and bins their cones, or, for a backend that `lists` tiles itself, sorts them by chunk; what has no cone is left
+    /// out. `None`: they come to more than [`PAIRS`], and there are several.
+    pub fn of<T: Sync>(&self, items: &[T], snap: impl Fn(&T) -> Option<Cone> + Sync, lists: bool) -> Option<Batch> {
+        let fits = |pairs: usize| items.len() == 1 || pairs <= PAIRS;
+        if lists {
+            return match self.near(items, &snap) {
+                Ok(batch) => fits(batch.chunks.iter().map(ChunkList::pairs).sum()).then_some(batch),
+                Err(cones) => self.of(&cones, snapped, false),
+            };
+        }
+        // Each snapped reading, and how many tiles it reaches at most.
+        let snap = |item| snap(item).map(|cone| (self.at_most(&cone), cone));
+        let cones: Vec<_> = items.par_iter().with_min_len(256).map(snap).collect();
+        let pairs = cones.iter().flatten().map(|s| s.0).sum();
+        fits(pairs).then(|| self.bin(cones.into_iter().flatten().map(|s| s.1).collect()))
+    }
+
+    /// Tiles along x and y.
+    fn tiles(&self) -> [i64; 2] {
+        self.size.map(|s| s.div_ceil(TILE) as i64)
+    }
+
+    /// Tiles that a cone reaches at most: those of its box.
+    pub fn at_most(&self, cone: &Cone) -> usize {
+        let shape = Shape::of(cone, self.footprint);
+        let [rows, columns] = self.spans(cone, &shape).map(|s| (s.end - s.start).max(0) as usize);
+        rows * columns
+    }
+
+    /// The tile rows and tile columns of a cone's box.
+    fn spans(&self, cone: &Cone, shape: &Shape) -> [Range<i64>; 2] {
+        let edge = (TILE as i64) * i64::from(CELL);
+        let tiles = self.tiles();
+        [1, 0].map(|k| {
+            let at = i64::from(cone.sensor[k]);
+            let first = (shape.low[k] + at).div_euclid(edge).max(0);
+            first..((shape.high[k] + at).div_euclid(edge) + 1).min(tiles[k])
+        })
+    }
+
+    /// Bins snapped readings.
+    pub fn bin(&self, mut cones: Vec<Cone>) -> Batch {
+        for (k, cone) in cones.iter_mut().enumerate() {
+            cone.index = k as u32;
+        }
+        // Runs of readings, each on its own; what follows keeps them in order, so the split leaves no trace.
+        let run = cones.len().div_ceil(4 * rayon::current_num_threads()).max(64);
+        let runs: Vec<Run> = cones.par_chunks(run).map(|cones| self.run(cones)).collect();
+        let mut first_part = Vec::with_capacity(cones.len() + 1);
+        let mut places: BTreeMap<[u32; 2], Vec<(&[Pair], u32)>> = BTreeMap::new();
+        let mut before = 0;
+        for run in &runs {
+            first_part.extend(run.first_part.iter().map(|p| p + before));
+            for (place, pairs) in run.chunks.iter().filter(|(_, pairs)| !pairs.is_empty()) {
+                places.entry(*place).or_default().push((pairs, before));
+            }
+            before += run.parts;
+        }
+        first_part.push(before);
+        let chunks = places.into_par_iter().map(|([row, column], pairs)| list([column, row], &pairs)).collect();
+        Batch { chunks, cones, first_part, ..Batch::default() }
+    }
+
+    /// What some readings reach.
+    fn run(&self, cones: &[Cone]) -> Run {
+        dispatch!(Level::new(), simd => self.run_on(simd, cones))
+    }
+
+    #[inline(always)]
+    fn run_on<S: Simd>(&self, simd: S, cones: &[Cone]) -> Run {
+        let mut run = Run::default();
+        for cone in cones {
+            run.first_part.push(run.parts);
+            self.reach(simd, cone, cones.len(), &mut run);
+        }
+        run
+    }
+
+    /// Adds a pair for every tile that the cone may touch, chunk by chunk and in each tile row by tile row, so that a
+    /// sum over its arc is the same whether chunks are resident together or done one after the other. The run has so many
+    /// `readings`.
+    #[inline(always)]
+    fn reach<S: Simd>(&self, simd: S, cone: &Cone, readings: usize, run: &mut Run) {
+        let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
+        let shape = Shape::of(cone, self.footprint);
+        for place in self.chunks_of_shape(cone, &shape) {
+            // Room in the first chunk for a sonar's cones of a usual size, so that its list rarely has to move.
+            let first = run.chunks.is_empty();
+            let room = || if first { Vec::with_capacity(16 * readings) } else { Vec::new() };
+            let pairs = run.chunks.entry([place[1], place[0]]).or_insert_with(room);
+            let mut push = |[i, j]: [i64; 2], (arc, inside): (bool, bool)| {
+                let arc = arc && arcs;
+                let flags = if arc { ARC } else { 0 } | if inside { INSIDE } else { 0 };
+                let slot = (j % CHUNK as i64 * CHUNK as i64 + i % CHUNK as i64) as u16;
+                pairs.push((slot, Entry { cone: cone.index << ENTRY_SHIFT | flags, slot: run.parts }));
+                run.parts += u32::from(arc);
+            };
+            let [rows, columns] = self.within(self.spans(cone, &shape), place);
+            let edge = (TILE as i64) * i64::from(CELL);
+            let count = (columns.end - columns.start).max(0) as usize;
+            let at = edge * columns.start - i64::from(cone.sensor[0]);
+            // A cone of a usual size lies in 16 columns.
+            if cone.flags & WIDE != 0 || count > TILES {
+                self.tiles_in(cone, &shape, place, &mut push);
+                continue;
+            }
+            let across = Columns::of(simd, &shape, at);
+            for j in rows {
+                let Met { some, arc, inside } =
+                    across.meet(&shape, &shape.extremes(1, edge * j - i64::from(cone.sensor[1])));
+                let mut left = some & ((1 << count) - 1);
+                while left != 0 {
+                    let k = left.trailing_zeros();
+                    left &= left - 1;
+                    let i = columns.start + i64::from(k);
+                    push([i, j], (arc >> k & 1 != 0, inside >> k & 1 != 0 && self.whole([i, j])));
+                }
+            }
+        }
+    }
+
+    /// Whether all of a tile lies in the grid.
+    fn whole(&self, tile: [i64; 2]) -> bool {
+        [0, 1].iter().all(|&k| (tile[k] + 1) as usize * TILE <= self.size[k])
+    }
+
+    /// Shows each tile that the cone may touch, by column and row: whether its arc may, and whether all of it is interior.
+    pub(crate) fn tiles_of(&self, cone: &Cone, show: &mut impl FnMut([i64; 2], (bool, bool))) {
+        let shape = Shape::of(cone, self.footprint);
+        self.chunks_of_shape(cone, &shape).for_each(|place| self.tiles_in(cone, &shape, place, show));
+    }
+
+    /// The same in one chunk.
+    fn tiles_in(&self, cone: &Cone, shape: &Shape, place: [u32; 2], show: &mut impl FnMut([i64; 2], (bool, bool))) {
+        let [rows, columns] = self.within(self.spans(cone, shape), place);
+        let edge = (TILE as i64) * i64::from(CELL);
+        let extremes = |k: usize, tile: i64| shape.extremes(k, edge * tile - i64::from(cone.sensor[k]));
+        // A chunk has at most so many columns of tiles.
+        let mut across = [Extremes::default(); CHUNK];
+        columns.clone().zip(&mut across).for_each(|(i, column)| *column = extremes(0, i));
+        for j in rows {
+            let up = extremes(1, j);
+            for (i, column) in columns.clone().zip(&across) {
+                let Some((arc, inside)) = shape.meets(column, &up) else { continue };
+                show([i, j], (arc, inside && self.whole([i, j])));
+            }
+        }
+    }
+
+    /// The chunks of a cone's box, by column and row, row by row.
+    pub fn chunks_of(&self, cone: &Cone) -> Vec<[u32; 2]> {
+        self.chunks_of_shape(cone, &Shape::of(cone, self.footprint)).collect()
+    }
+
+    fn chunks_of_shape(&self, cone: &Cone, shape: &Shape) -> impl Iterator<Item = [u32; 2]> {
+        let [rows, columns] = self.spans(cone, shape).map(|s| {
+            let chunk = |tile: i64| tile.div_euclid(CHUNK as i64) as u32;
+            if s.is_empty() { 0..0 } else { chunk(s.start)..chunk(s.end - 1) + 1 }
+        });
+        let only = self.only;
+        rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
+            .filter(move |place| only.is_none_or(|only| only == *place))
+    }
+
+    /// The part of tile rows and tile columns in a chunk.
+    fn within(&self, [rows, columns]: [Range<i64>; 2], [column, row]: [u32; 2]) -> [Range<i64>; 2] {
+        let cut = |span: Range<i64>, chunk: u32| {
+            let first = i64::from(chunk) * CHUNK as i64;
+            span.start.max(first)..span.end.min(first + CHUNK as i64)
+        };
+        [cut(rows, row), cut(columns, column)]
+    }
+
+    /// Whether the cone has a cell in its interior, and one on its arc, within the grid.
+    pub fn regions(&self, cone: &Cone) -> (bool, bool) {
+        let hit = cone.flags & NO_ECHO == 0;
+        let mut any = (false, false);
+        self.tiles_of(cone, &mut |[i, j], (arc, inside)| {
+            any.0 |= inside;
+            if any.0 && (any.1 || !hit || !arc) {
+                return;
+            }
+            for cell in 0..TILE_CELLS {
+                let at = [i as usize * TILE + cell % TILE, j as usize * TILE + cell / TILE];
+                if at[0] < self.size[0] && at[1] < self.size[1] {
+                    let (interior, arc) = region(cone, self.footprint, at[0] as i64, at[1] as i64);
+                    any = (any.0 | interior, any.1 | (arc & hit));
+                }
+            }
+        });
+        any
+    }
+}
+
+/// A chunk's lists from its pairs, run by run with the number of parts before each: sorted by counting, which keeps the log's
+/// order within a tile.
+pub(crate) fn list(place: [u32; 2], runs: &[(&[Pair], u32)]) -> ChunkList {
+    let pairs = || runs.iter().flat_map(|(pairs, before)| pairs.iter().map(move |pair| (pair, before)));
+    let mut ends = [0u32; CHUNK * CHUNK];
+    pairs().for_each(|((slot, _), _)| ends[usize::from(*slot)] += 1);
+    let (mut tiles, mut sum) = (Vec::new(), 0);
+    for (slot, end) in ends.iter_mut().enumerate() {
+        let count = std::mem::replace(end, sum);
+        if count > 0 {
+            let at = [slot % CHUNK, slot / CHUNK].map(|s| s as u32);
+            let corner = [0, 1].map(|k| (place[k] * CHUNK as u32 + at[k]) * TILE as u32);
+            tiles.push(Tile { corner, entries: [sum, sum + count], slot: slot as u32, spare: [0; 3] });
+            sum += count;
+        }
+    }
+    let mut entries = vec![Entry { cone: 0, slot: 0 }; sum as usize];
+    for ((slot, entry), before) in pairs() {
+        let end = &mut ends[usize::from(*slot)];
+        entries[*end as usize] = Entry { slot: entry.slot + before, ..*entry };
+        *end += 1;
+    }
+    ChunkList { place, tiles, entries, near: Vec::new() }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,317 @@
+//! Which scans reach which tile of a chunk, in log order.
+//!
+//! Where a cell takes its nearest poses, a batch is some of the chunk's tiles with every scan that may be among the nearest of
+//! one of their cells, in the whole log: so the choice doesn't depend on how the work is split. Where it takes all poses, their
+//! order doesn't matter, and a batch is some of the scans with all tiles that they reach.
+
+use super::area::Area;
+use super::{Index, Selection, Store, micrometres};
+use crate::binning::batch::{Batch, ChunkList};
+use crate::geometry::layout::*;
+use crate::grid::GridSpec;
+use crate::grid::{EDGE, Place};
+use crate::{Error, Result};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The tiles of one chunk.
+pub struct Tiles<'a> {
+    store: &'a Store,
+    /// Where a cell takes its nearest poses.
+    index: Option<&'a Index>,
+    selection: Selection,
+    chunk: Place,
+    /// The centre of the chunk's first cell, µm in the world frame.
+    origin: [i64; 2],
+    /// Centres of columns and rows, µm from there.
+    centres: [Vec<i32>; 2],
+    /// Columns and rows of the grid in this chunk.
+    size: [usize; 2],
+}
+
+/// A tile and the scans that it may take.
+struct Listed {
+    at: [usize; 2],
+    scans: Vec<u32>,
+}
+
+/// Where a tile has more candidates than this for each of the nearest, a parked robot say, they are looked through.
+const MANY: usize = 16;
+
+/// What a batch may come to.
+#[derive(Debug, Clone, Copy)]
+pub struct Most {
+    /// Beams.
+    pub beams: usize,
+    /// (Scan, tile) pairs.
+    pub pairs: usize,
+    /// What one tile may come to, that can't be split: beams and pairs.
+    pub one: [usize; 2],
+    /// How often a thread may go round its loops ([`crate::kernels::Limits::turns`]).
+    pub turns: usize,
+}
+
+/// Steps of a search among a scan's beams, and the walk to it: more than any takes.
+const SEARCH: usize = 40;
+
+impl<'a> Tiles<'a> {
+    /// Of the chunk in this row and column.
+    pub fn of(
+        grid: &GridSpec,
+        chunk: Place,
+        store: &'a Store,
+        index: Option<&'a Index>,
+        selection: Selection,
+    ) -> Tiles<'a> {
+        let first = [chunk[1] as usize * EDGE, chunk[0] as usize * EDGE];
+        let centre = |k: usize, n: usize| {
+            let at = [first[0] + if k == 0 { n } else { 0 }, first[1] + if k == 1 { n } else { 0 }];
+            let (x, y) = grid.centre(at[0], at[1]);
+            micrometres([x, y][k])
+        };
+        let origin = [centre(0, 0), centre(1, 0)];
+        let centres = [0, 1].map(|k| (0..EDGE).map(|n| (centre(k, n) - origin[k]) as i32).collect());
+        let size = [grid.width - first[0], grid.height - first[1]].map(|s| s.min(EDGE));
+        Tiles { store, index, selection, chunk, origin, centres, size }
+    }
+
+    /// Gives the chunk's batches in order, each with the share of the chunk's work that it is; whether all were taken.
+    ///
+    /// # Errors
+    /// [`crate::Error::Resources`] where spilled beams can't be read back.
+    pub fn batches(&self, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
+        match self.index {
+            Some(index) => self.by_tiles(index, self.all(), most, give),
+            None => self.by_scans(0..self.store.poses.len() as u32, most, give),
+        }
+    }
+
+    /// The tiles, column and row in the chunk, for which one of some scans may be among the nearest.
+    pub fn concerned(&self, scans: Range<u32>) -> Vec<[usize; 2]> {
+        let Some(index) = self.index else { return self.all() };
+        let farthest = self.selection.z_max * 1e6;
+        let near = |at: &[usize; 2]| {
+            let area = self.tile(*at);
+            scans.clone().any(|scan| area.square(self.pose(scan)) <= farthest * farthest)
+        };
+        let taken = |at: &[usize; 2]| {
+            let found = self.candidates(index, &self.tile(*at));
+            found.iter().any(|scan| scans.contains(scan))
+        };
+        self.all().into_par_iter().filter(|at| near(at) && taken(at)).collect()
+    }
+
+    /// The same batches of some tiles alone, column and row in the chunk; where cells take all poses those of some scans alone, all tiles.
+    ///
+    /// # Errors
+    /// As [`Tiles::batches`].
+    pub fn batches_of(
+        &self,
+        tiles: Vec<[usize; 2]>,
+        scans: Range<u32>,
+        most: Most,
+        give: &mut dyn FnMut(Batch, f64) -> bool,
+    ) -> Result<bool> {
+        match self.index {
+            Some(index) => self.by_tiles(index, tiles, most, give),
+            None => self.by_scans(scans, most, give),
+        }
+    }
+
+    fn by_tiles(
+        &self,
+        index: &Index,
+        tiles: Vec<[usize; 2]>,
+        most: Most,
+        give: &mut dyn FnMut(Batch, f64) -> bool,
+    ) -> Result<bool> {
+        let listed: Vec<Listed> = tiles.into_par_iter().filter_map(|at| self.list(index, at)).collect();
+        let total = listed.len() as f64;
+        let mut rest = &listed[..];
+        while !rest.is_empty() {
+            let (mut scans, mut pairs, mut beams) = (std::collections::BTreeSet::new(), 0, 0);
+            let mut taken = 0;
+            for tile in rest {
+                let fresh = tile.scans.iter().filter(|s| !scans.contains(*s));
+                let more = fresh.map(|s| self.store.count(*s)).sum::<usize>();
+                if taken > 0 && (beams + more > most.beams || pairs + tile.scans.len() > most.pairs) {
+                    break;
+                }
+                scans.extend(&tile.scans);
+                (beams, pairs, taken) = (beams + more, pairs + tile.scans.len(), taken + 1);
+            }
+            // A thread keeps the squares of its nearest poses in order, for each candidate, and searches the beams of those taken.
+            let held = usize::from(self.selection.neighbours.unwrap_or(0));
+            let turns = rest[..taken].iter().map(|t| t.scans.len() * (2 + held)).max().unwrap_or(0) + held * SEARCH;
+            if beams > most.one[0] || pairs > most.one[1] || turns > most.turns {
+                return Err(Error::Resources(format!(
+                    "the {} poses nearest to one tile of cells, with {beams} beams, are more than the adapter takes at once: \
+                     use --backend cpu, a coarser --resolution or fewer neighbours",
+                    scans.len()
+                )));
+            }
+            let (group, after) = rest.split_at(taken);
+            rest = after;
+            let scans: Vec<u32> = scans.into_iter().collect();
+            if !give(self.batch(&scans, group)?, taken as f64 / total) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn by_scans(&self, scans: Range<u32>, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
+        let all = self.all();
+        let whole = self.extent([0, 0], self.size);
+        let reaching: Vec<u32> = scans.filter(|scan| self.reaches(*scan, &whole)).collect();
+        let mut rest = &reaching[..];
+        while !rest.is_empty() {
+            let (mut beams, mut taken) = (0, 0);
+            for scan in rest {
+                beams += self.store.count(*scan);
+                if taken > 0
+                    && (beams > most.beams || (taken + 1) * all.len() > most.pairs || (taken + 1) * SEARCH > most.turns)
+                {
+                    break;
+                }
+                taken += 1;
+            }
+            let (group, after) = rest.split_at(taken);
+            rest = after;
+            let list = |at: [usize; 2]| {
+                let area = self.tile(at);
+                let scans: Vec<u32> = group.iter().copied().filter(|s| self.reaches(*s, &area)).collect();
+                Some(Listed { at, scans }).filter(|l| !l.scans.is_empty())
+            };
+            let listed: Vec<Listed> = all.par_iter().filter_map(|at| list(*at)).collect();
+            if !give(self.batch(group, &listed)?, taken as f64 / reaching.len() as f64) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Every tile, column and row, row by row.
+    fn all(&self) -> Vec<[usize; 2]> {
+        let [columns, rows] = self.size.map(|s| s.div_ceil(TILE));
+        (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])).collect()
+    }
+
+    /// The box of the cells from one to before another.
+    fn extent(&self, from: [usize; 2], to: [usize; 2]) -> Area {
+        Area { low: [0, 1].map(|k| self.centres[k][from[k]]), high: [0, 1].map(|k| self.centres[k][to[k] - 1]) }
+    }
+
+    fn tile(&self, at: [usize; 2]) -> Area {
+        let from = at.map(|t| t * TILE);
+        self.extent(from, [0, 1].map(|k| (from[k] + TILE).min(self.size[k])))
+    }
+
+    /// A pose from the chunk's first cell, µm.
+    fn pose(&self, scan: u32) -> [i64; 2] {
+        [0, 1].map(|k| self.store.poses[scan as usize][k] - self.origin[k])
+    }
+
+    /// Whether one of the scan's beams may touch a cell of the box.
+    fn reaches(&self, scan: u32, area: &Area) -> bool {
+        let reach = f64::from(self.store.reaches[scan as usize]);
+        reach > 0.0 && area.square(self.pose(scan)) <= reach * reach
+    }
+
+    /// A tile's scans; `None` where none of them may touch it.
+    fn list(&self, index: &Index, at: [usize; 2]) -> Option<Listed> {
+        let area = self.tile(at);
+        let scans = self.candidates(index, &area);
+        scans.iter().any(|s| self.reaches(*s, &area)).then_some(Listed { at, scans })
+    }
+
+    /// The scans that may be among the nearest of a cell of the box.
+    fn candidates(&self, index: &Index, area: &Area) -> Vec<u32> {
+        let metres = |k: usize, v: i32| (self.origin[k] + i64::from(v)) as f64 * 1e-6;
+        let ends = [0, 1].map(|k| [metres(k, area.low[k]), metres(k, area.high[k])]);
+        let half = (ends[0][1] - ends[0][0]).hypot(ends[1][1] - ends[1][0]) / 2.0;
+        let scans = index.candidates(ends.map(|[low, high]| (low + high) / 2.0), half, self.selection.z_max);
+        match self.selection.neighbours.map(usize::from).filter(|n| scans.len() > MANY * n) {
+            Some(n) => self.undominated(area, &scans, n),
+            None => scans,
+        }
+    }
+
+    /// Of these scans those to which not n others are nearer all over the tile: the rest is never among the n nearest. The
+    /// difference of two squared distances is linear in the place, so what holds at the corners holds between them.
+    fn undominated(&self, area: &Area, scans: &[u32], n: usize) -> Vec<u32> {
+        let corners = area.corners().map(|c| c.map(f64::from));
+        // f64 holds the squares of what is nearer than 90 m exactly; the rest says nothing.
+        let squares = |scan: &u32| {
+            let [px, py] = self.pose(*scan).map(|v| v as f64);
+            corners.map(|[x, y]| (x - px) * (x - px) + (y - py) * (y - py))
+        };
+        let all: Vec<[f64; 4]> = scans.iter().map(squares).collect();
+        // The nearest on the whole are those that are nearer than others all over.
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        let first = (4 * n).min(order.len() - 1);
+        let sum = |k: &usize| all[*k].iter().sum::<f64>();
+        order.select_nth_unstable_by(first, |a, b| sum(a).total_cmp(&sum(b)).then(a.cmp(b)));
+        let nearest: Vec<[f64; 4]> = order[..first].iter().map(|k| all[*k]).collect();
+        let kept = |own: &[f64; 4]| {
+            let nearer = |other: &&[f64; 4]| other.iter().zip(own).all(|(a, b)| a < b);
+            nearest.iter().filter(nearer).take(n).count() < n
+        };
+        scans.iter().zip(&all).filter(|(_, own)| kept(own)).map(|(scan, _)| *scan).collect()
+    }
+
+    /// The batch of these tiles and scans.
+    fn batch(&self, numbers: &[u32], listed: &[Listed]) -> Result<Batch> {
+        let (mut scans, mut beams) = (Vec::with_capacity(numbers.len()), Vec::new());
+        for number in numbers {
+            let first = beams.len() as u32;
+            self.store.read(*number, &mut beams)?;
+            let pose = self.pose(*number).map(|v| v as i32);
+            scans.push(Scan { pose, first, count: beams.len() as u32 - first, number: *number, pad: [0; 3] });
+        }
+        // Each tile's entries, and whether one of them may touch a cell.
+        let list = |tile: &Listed| -> Option<Vec<Entry>> {
+            let area = self.tile(tile.at);
+            let mut touched = false;
+            let entries = tile.scans.iter().filter_map(|number| {
+                let k = numbers.binary_search(number).ok()?;
+                let scan = &scans[k];
+                let own = &beams[scan.first as usize..][..scan.count as usize];
+                let [low, high] = area.places(scan.pose, own);
+                let touches = self.touches(&area, scan.pose, own, [low, high]);
+                touched |= touches;
+                // Nearest poses compete whether they touch or not.
+                let kept = touches || self.selection.neighbours.is_some();
+                kept.then_some(Entry { cone: (k as u32) << ENTRY_SHIFT, slot: low | high << 16 })
+            });
+            let entries = entries.collect();
+            touched.then_some(entries)
+        };
+        let lists: Vec<Option<Vec<Entry>>> = listed.par_iter().map(list).collect();
+        let (mut tiles, mut entries) = (Vec::new(), Vec::new());
+        for (tile, list) in listed.iter().zip(lists) {
+            let Some(list) = list else { continue };
+            let corner = [0, 1].map(|k| (self.chunk[1 - k] as usize * EDGE + tile.at[k] * TILE) as u32);
+            let from = entries.len() as u32;
+            entries.extend(list);
+            let slot = (tile.at[1] * CHUNK + tile.at[0]) as u32;
+            tiles.push(Tile { corner, entries: [from, entries.len() as u32], slot, spare: [0; 3] });
+        }
+        let chunks = match tiles.is_empty() {
+            true => Vec::new(),
+            false => vec![ChunkList { place: [self.chunk[1], self.chunk[0]], tiles, entries, near: Vec::new() }],
+        };
+        Ok(Batch { chunks, scans, beams, centres: self.centres.concat(), ..Batch::default() })
+    }
+
+    /// Whether a beam that may be the nearest of a cell of the box may touch one.
+    fn touches(&self, area: &Area, pose: [i32; 2], beams: &[Beam], [low, high]: [u32; 2]) -> bool {
+        let distance = area.square(pose.map(i64::from)).sqrt();
+        let margin = self.selection.margin;
+        let n = beams.len() as u32;
+        (low..=high).any(|k| {
+            let beam = &beams[if k >= n { 0 } else { k as usize }];
+            beam.id & IDLE == 0 && distance <= f64::from(beam.range + margin) + 1.0
+        })
+    }
+}

@@ -1,0 +1,103 @@
+//! The snapped scans of a log: poses in memory, beams there too or, where they outgrow it, in a nameless file.
+
+use super::Snapped;
+use crate::geometry::layout::Beam;
+use crate::support::positioned;
+use crate::{Error, Result};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// The scans, in log order.
+pub struct Store {
+    /// Their poses, µm in the world frame.
+    pub poses: Vec<[i64; 2]>,
+    /// How far each may touch cells, µm.
+    pub reaches: Vec<i32>,
+    /// Where each one's beams begin; one more than there are scans.
+    starts: Vec<u64>,
+    held: Vec<Beam>,
+    /// Beams that may be held.
+    most: usize,
+    folder: PathBuf,
+    spill: Option<File>,
+    /// Beams in the file.
+    spilled: u64,
+}
+
+impl Store {
+    /// None yet; `memory` is what the beams may take, bytes, before they are spilled to a file in `folder`.
+    pub fn new(folder: &Path, memory: u64) -> Store {
+        // A vector grows by doubling.
+        let most = usize::try_from(memory / 2).unwrap_or(usize::MAX) / size_of::<Beam>();
+        Store {
+            poses: Vec::new(),
+            reaches: Vec::new(),
+            starts: vec![0],
+            held: Vec::new(),
+            most: most.max(1024),
+            folder: folder.into(),
+            spill: None,
+            spilled: 0,
+        }
+    }
+
+    /// Adds a scan.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where its beams can't be spilled, or there are too many scans.
+    pub fn push(&mut self, scan: Snapped) -> Result<()> {
+        if self.poses.len() >= 1 << 30 {
+            return Err(Error::Resources("more than 1073741824 scans: map the log in parts".into()));
+        }
+        self.poses.push(scan.pose);
+        self.reaches.push(scan.reach);
+        self.held.extend(scan.beams);
+        self.starts.push(self.spilled + self.held.len() as u64);
+        if self.held.len() >= self.most { self.flush() } else { Ok(()) }
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        let full = |e: std::io::Error| {
+            Error::Resources(format!("the beams can't be spilled to {}: {e}; free space there", self.folder.display()))
+        };
+        let file = match self.spill.take() {
+            Some(file) => file,
+            None => tempfile::tempfile_in(&self.folder).map_err(full)?,
+        };
+        let at = self.spilled * size_of::<Beam>() as u64;
+        positioned::write_all(&file, bytemuck::cast_slice(&self.held), at).map_err(full)?;
+        self.spilled += self.held.len() as u64;
+        self.held = Vec::new();
+        self.spill = Some(file);
+        Ok(())
+    }
+
+    /// Bytes that were spilled.
+    pub fn spilled(&self) -> u64 {
+        self.spilled * size_of::<Beam>() as u64
+    }
+
+    /// How many beams a scan has.
+    pub fn count(&self, scan: u32) -> usize {
+        let k = scan as usize;
+        (self.starts[k + 1] - self.starts[k]) as usize
+    }
+
+    /// Appends a scan's beams.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where spilled ones can't be read back.
+    pub fn read(&self, scan: u32, beams: &mut Vec<Beam>) -> Result<()> {
+        let (start, count) = (self.starts[scan as usize], self.count(scan));
+        if start >= self.spilled {
+            let from = (start - self.spilled) as usize;
+            beams.extend_from_slice(&self.held[from..from + count]);
+            return Ok(());
+        }
+        let before = beams.len();
+        beams.resize(before + count, bytemuck::Zeroable::zeroed());
+        let Some(file) = &self.spill else { return Ok(()) };
+        positioned::read_exact(file, bytemuck::cast_slice_mut(&mut beams[before..]), start * size_of::<Beam>() as u64)
+            .map_err(|e| Error::Resources(format!("spilled beams can't be read back: {e}")))
+    }
+}

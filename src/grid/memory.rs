@@ -1,0 +1,24 @@
+//! Memory that a map needs, checked before it is taken.
+
+use super::GridSpec;
+use crate::support::memory::{available, show};
+use crate::{Error, Result};
+
+impl GridSpec {
+    /// Fails where a map on this grid needs more memory than the cap, bytes, or than the machine has free; `remedy` says what to do.
+    ///
+    /// # Errors
+    /// [`Error::Resources`].
+    pub fn check_memory(&self, needed: u64, cap: Option<u64>, remedy: &str) -> Result<()> {
+        let limit = match (cap, available()) {
+            (Some(cap), _) if needed > cap => format!("--memory allows {}", show(cap)),
+            (_, Some(free)) if needed > free => format!("this machine has {} free", show(free)),
+            _ => return Ok(()),
+        };
+        let (width, height, resolution) = (self.width, self.height, self.resolution);
+        Err(Error::Resources(format!(
+            "a map of {width} × {height} cells of {resolution} m needs {}, but {limit}: {remedy}",
+            show(needed)
+        )))
+    }
+}

@@ -1,0 +1,217 @@
+//! Taking the layers out of the cells' words, or out of the oracle's values: the same layers for every backend.
+
+use crate::geometry::layout::{CHUNK, TILE, TILE_CELLS};
+use crate::grid::{Class, Data, GridSpec, Layer, Map, Scale};
+use crate::kernels::Chunks;
+use crate::method::{self, Method, Unit, add};
+use crate::oracle::OracleMap;
+use crate::pipeline::finished::{Finished, Visits};
+use rayon::prelude::*;
+
+/// Layers under way: every cell untouched.
+struct Layers<'a> {
+    grid: &'a GridSpec,
+    method: &'a dyn Method,
+    values: Vec<Vec<f32>>,
+    combined: Vec<f32>,
+    touched: Vec<u8>,
+    class: Vec<i8>,
+    visits: Visits,
+    increments: Vec<f64>,
+}
+
+impl<'a> Layers<'a> {
+    fn new(grid: &'a GridSpec, method: &'a dyn Method) -> Self {
+        let cells = grid.cells();
+        Layers {
+            grid,
+            method,
+            values: method.layers().iter().map(|s| vec![s.fill; cells]).collect(),
+            combined: vec![0.0; cells],
+            touched: vec![0; cells],
+            class: vec![0; cells],
+            increments: Vec::new(),
+            visits: Visits {
+                interior: vec![0; cells],
+                arc: vec![0; cells],
+                marks: vec![0; if method.marks().is_some() { cells } else { 0 }],
+            },
+        }
+    }
+
+    /// Every so many rows of cells by themselves.
+    fn bands(&mut self, rows: usize) -> Vec<Band<'_>> {
+        let cells = (rows * self.grid.width).max(1);
+        let count = self.combined.len().div_ceil(cells);
+        let mut values: Vec<_> = self.values.iter_mut().map(|layer| layer.chunks_mut(cells)).collect();
+        let mut combined = self.combined.chunks_mut(cells);
+        let (mut touched, mut class) = (self.touched.chunks_mut(cells), self.class.chunks_mut(cells));
+        let Visits { interior, arc, marks } = &mut self.visits;
+        let mut visits = [interior, arc, marks].map(|counts| counts.chunks_mut(cells));
+        let band = |_| Band {
+            method: self.method,
+            values: values.iter_mut().map(|layer| layer.next().unwrap_or_default()).collect(),
+            combined: combined.next().unwrap_or_default(),
+            touched: touched.next().unwrap_or_default(),
+            class: class.next().unwrap_or_default(),
+            visits: visits.each_mut().map(|counts| counts.next().unwrap_or_default()),
+        };
+        (0..count).map(band).collect()
+    }
+
+    fn finish(self) -> Finished {
+        let (visits, increments) = (self.visits, self.increments);
+        let updates = visits.interior.iter().chain(&visits.arc).map(|n| u64::from(*n)).sum();
+        let data = |integer: bool, values: Vec<f32>| match integer {
+            true => Data::U32(values.iter().map(|v| *v as u32).collect()),
+            false => Data::F32(values),
+        };
+        let mut layers: Vec<Layer> = (self.method.layers().iter().zip(self.values))
+            .map(|(s, values)| layer(s.name, s.about, data(s.integer, values), f64::from(s.fill), s.scale))
+            .collect();
+        layers.extend(touched_and_class(self.touched, self.class));
+        let combined = "-1 surely empty to 1 surely occupied";
+        Finished {
+            map: Map { grid: *self.grid, method: method::name(self.method).into(), layers, updates, increments },
+            combined: layer("combined", combined, Data::F32(self.combined), 0.0, SIGNED),
+            visits,
+        }
+    }
+}
+
+const SIGNED: Scale = Scale::Signed { limit: 1.0 };
+
+/// Some rows of the layers under way.
+struct Band<'a> {
+    method: &'a dyn Method,
+    values: Vec<&'a mut [f32]>,
+    combined: &'a mut [f32],
+    touched: &'a mut [u8],
+    class: &'a mut [i8],
+    /// Interior, arc, marks.
+    visits: [&'a mut [u32]; 3],
+}
+
+impl Band<'_> {
+    /// Sets a touched cell, counted from the band's first.
+    fn set(&mut self, k: usize, visits: [u32; 3], values: &[f32], class: Class) {
+        self.touched[k] = 1;
+        self.class[k] = class as i8;
+        self.combined[k] = self.method.combined(values, class);
+        for (counts, count) in self.visits.iter_mut().zip(visits) {
+            // A method without marks has no room for them.
+            if let Some(place) = counts.get_mut(k) {
+                *place = count;
+            }
+        }
+        for (layer, value) in self.values.iter_mut().zip(values) {
+            layer[k] = *value;
+        }
+    }
+}
+
+fn layer(name: &str, about: &'static str, data: Data, fill: f64, scale: Scale) -> Layer {
+    Layer { name: name.into(), about, data, fill, scale }
+}
+
+/// The two layers of every map.
+fn touched_and_class(touched: Vec<u8>, class: Vec<i8>) -> [Layer; 2] {
+    let flag = Scale::Grey { low: 0.0, high: 1.0 };
+    let about = "1 occupied, 0 unknown, -1 empty, by the method's decision rule";
+    [
+        layer("touched", "1 where a reading reached the cell", Data::U8(touched), 0.0, flag),
+        layer("class", about, Data::I8(class), 0.0, SIGNED),
+    ]
+}
+
+/// A method's layers without values, and its combined layer.
+pub fn heads(method: &dyn Method) -> (Vec<Layer>, Layer) {
+    let grid = GridSpec { anchor: (0.0, 0.0), resolution: 1.0, i0: 0, j0: 0, width: 0, height: 0 };
+    let empty = Layers::new(&grid, method).finish();
+    (empty.map.layers, empty.combined)
+}
+
+/// The map of classes alone, such as a world's true map; a cell of known class counts as touched.
+pub fn of_classes(grid: GridSpec, method: &str, class: Vec<i8>) -> Map {
+    let touched = class.iter().map(|c| u8::from(*c != 0)).collect();
+    Map {
+        grid,
+        method: method.into(),
+        layers: touched_and_class(touched, class).into(),
+        updates: 0,
+        increments: Vec::new(),
+    }
+}
+
+/// The map of a kernel's chunks.
+pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Finished {
+    let mut layers = Layers::new(grid, method);
+    let bands = layers.bands(TILE).into_par_iter().enumerate();
+    let gains: Vec<Vec<f64>> = bands.map(|(row, band)| fill(grid, method, chunks, row, band)).collect();
+    let mut increments = Vec::new();
+    gains.iter().for_each(|gains| add(gains, &mut increments));
+    layers.increments = increments;
+    layers.finish()
+}
+
+/// Fills a row of tiles; what its cells' α gained.
+fn fill(grid: &GridSpec, method: &dyn Method, chunks: &Chunks, row: usize, mut band: Band) -> Vec<f64> {
+    let mut cell = vec![0u32; method::planes(method)];
+    let mut values = vec![0f32; method.layers().len()];
+    let (faint, words, mut gains) = (method.unit() == Unit::Scan, method::tile_words(method), Vec::new());
+    let rows = TILE.min(grid.height - row * TILE);
+    let chunk_row = (row / CHUNK) as u32;
+    for (place, state) in chunks.range([chunk_row, 0]..=[chunk_row, u32::MAX]) {
+        let tiles = state.chunks_exact(words).skip(row % CHUNK * CHUNK).take(CHUNK);
+        for (column, tile) in tiles.enumerate() {
+            if faint && tile.iter().all(|word| *word == 0) {
+                continue;
+            }
+            let x0 = (place[1] as usize * CHUNK + column) * TILE;
+            for y in 0..rows {
+                for x in x0..(x0 + TILE).min(grid.width) {
+                    let at = y * TILE + x - x0;
+                    let updated = tile[at] + tile[TILE_CELLS + at] > 0;
+                    if !updated && !faint {
+                        continue;
+                    }
+                    for (p, word) in cell.iter_mut().enumerate() {
+                        *word = tile[p * TILE_CELLS + at];
+                    }
+                    if !updated && !method.faint(&cell) {
+                        continue;
+                    }
+                    method.gains(&cell, &mut gains);
+                    let class = method.values(&cell, &mut values);
+                    let mark = method.marks().map_or(0, |plane| cell[2 + plane]);
+                    band.set(y * grid.width + x, [cell[0], cell[1], mark], &values, class);
+                }
+            }
+        }
+    }
+    gains
+}
+
+/// The map of the oracle's values.
+pub fn from_oracle(oracle: &OracleMap, method: &dyn Method) -> Finished {
+    let mut layers = Layers::new(&oracle.grid, method);
+    let mut increments = Vec::new();
+    let mut bands = layers.bands(oracle.grid.height);
+    let Some(band) = bands.first_mut() else { return layers.finish() };
+    for k in 0..oracle.grid.cells() {
+        if oracle.is_touched(k) {
+            let values: Vec<f32> = oracle.layers.iter().map(|l| l.values[k] as f32).collect();
+            let class = match oracle.class[k] {
+                1 => Class::Occupied,
+                0 => Class::Unknown,
+                _ => Class::Empty,
+            };
+            let gains = oracle.gains.get(k).map_or(&[][..], |g| g);
+            add(gains, &mut increments);
+            let mark = oracle.marks.get(k).copied().unwrap_or(0);
+            band.set(k, [oracle.interior[k], oracle.arc[k], mark], &values, class);
+        }
+    }
+    layers.increments = increments;
+    layers.finish()
+}

@@ -1,0 +1,155 @@
+//! A round over the chunks as three stages, each on a thread, with bounded queues between them: read and bin ahead, run the
+//! kernels, take finished chunks.
+
+use super::busy::{Busy, Clock};
+use super::reader::{BinnedBatch, Reader};
+use crate::grid::{GridSpec, Place, part};
+use crate::kernels::{Backend, Chunks, Shares, shares};
+use crate::method::{Method, Step, Steps};
+use crate::pipeline::finished::Finished;
+use crate::pipeline::layers;
+use crate::pipeline::mapper::frame;
+use crate::{Error, Result};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+/// A finished chunk.
+#[derive(Debug, Clone)]
+pub struct Chunk {
+    /// Row and column.
+    pub place: Place,
+    /// Its part of the map, on its part of the grid.
+    pub finished: Finished,
+}
+
+/// Takes finished chunks, in order.
+pub type Take<'a> = dyn FnMut(Chunk) -> Result<()> + Send + 'a;
+
+/// One round: these chunks, with their counts of readings, gone through with these steps.
+pub(super) struct Round<'a> {
+    pub grid: &'a GridSpec,
+    pub method: &'a dyn Method,
+    pub traversals: &'static [Steps],
+    pub places: &'a [(Place, u64)],
+    /// Hears of readings as their batches are done.
+    pub progress: &'a dyn Fn(u64),
+}
+
+impl Round<'_> {
+    /// Runs the round. `found` is what the rounds have found for each reading so far. With `take` it is the last round: chunks are
+    /// finished and taken.
+    ///
+    /// # Errors
+    /// The first of the stages', in the order of the data.
+    pub fn run(
+        &self,
+        reader: &Reader,
+        backend: &mut dyn Backend,
+        found: &mut [u32],
+        take: Option<&mut Take>,
+    ) -> Result<Busy> {
+        let (grid, method, last) = (self.grid, self.method, take.is_some());
+        let (places, traversals) = (self.places, self.traversals);
+        std::thread::scope(|scope| {
+            let (ready, batches) = sync_channel(1);
+            let (finished, words) = sync_channel(1);
+            let (give_back, zeros) = sync_channel(1);
+            let give_back = backend.reuses().then_some(give_back);
+            let reading = scope.spawn(move || read(reader, places, traversals, &ready));
+            let taking = take.map(|take| scope.spawn(move || finish(grid, method, &words, give_back.as_ref(), take)));
+            let kernels = self.kernels(backend, found, Queues { batches, finished, zeros, last });
+            // A stage that panicked closed its queue, which looks like an end.
+            let read = reading.join().map_err(|_| died("the chunks' reader"));
+            let taken = taking.map_or(Ok(0.0), |t| t.join().unwrap_or_else(|_| Err(died("the chunks' writer"))));
+            Ok(Busy { kernels: kernels?, read: read?, take: taken? })
+        })
+    }
+
+    /// The second stage: runs the kernels over each batch. The queues close when it ends, so that no other stage waits for it.
+    fn kernels(&self, backend: &mut dyn Backend, found: &mut [u32], queues: Queues) -> Result<f64> {
+        let Queues { batches, finished, zeros, last: last_round } = queues;
+        let rounds = self.method.rounds().unwrap_or_default();
+        let counted = rounds.iter().copied().flatten().any(|steps| steps.contains(&Step::Tally));
+        let mut clock = Clock::start();
+        while let Ok(batch) = clock.wait(|| batches.recv()) {
+            let BinnedBatch { place, steps, batch, numbers, readings, last } = batch?;
+            let before = numbers.iter().map(|n| found.get(*n as usize).copied().unwrap_or(0));
+            let mut share: Shares = match last_round && counted {
+                true => shares(self.method, before, &batch.cones),
+                false => before.map(|word| [word, 0, 0, 0]).collect(),
+            };
+            zeros.try_iter().for_each(|zeros| backend.spare(zeros));
+            backend.apply(self.method, frame(self.grid, self.method), &batch, steps, &mut share)?;
+            if !last_round {
+                numbers.iter().zip(&share).for_each(|(n, s)| found[*n as usize] = s[0]);
+            }
+            (self.progress)(readings);
+            let words = if last { backend.take(place)? } else { None };
+            let Some(mut words) = words else { continue };
+            if last_round {
+                // A last stage that failed has the error.
+                if clock.wait(|| finished.send((place, words))).is_err() {
+                    break;
+                }
+            } else if backend.reuses() {
+                words.fill(0);
+                backend.spare(words);
+            }
+        }
+        Ok(clock.worked())
+    }
+}
+
+/// The queues of the second stage.
+struct Queues {
+    batches: Receiver<Result<BinnedBatch>>,
+    finished: SyncSender<(Place, Vec<u32>)>,
+    /// Memory of finished chunks, zeros again.
+    zeros: Receiver<Vec<u32>>,
+    /// Whether it is the last round.
+    last: bool,
+}
+
+/// The first stage: reads the chunks' readings and bins them, one batch ahead.
+fn read(
+    reader: &Reader,
+    places: &[(Place, u64)],
+    traversals: &'static [Steps],
+    ready: &SyncSender<Result<BinnedBatch>>,
+) -> f64 {
+    let mut clock = Clock::start();
+    let ahead = places.iter().try_for_each(|(place, count)| {
+        let give = &mut |batch| clock.wait(|| ready.send(Ok(batch)).is_ok());
+        reader.batches(*place, *count, traversals, give)
+    });
+    if let Err(e) = ahead {
+        // A second stage that ended has an error of its own.
+        let _ = ready.send(Err(e));
+    }
+    clock.worked()
+}
+
+/// The third stage: makes the layers of each chunk and has it taken.
+fn finish(
+    grid: &GridSpec,
+    method: &dyn Method,
+    words: &Receiver<(Place, Vec<u32>)>,
+    give_back: Option<&SyncSender<Vec<u32>>>,
+    take: &mut Take,
+) -> Result<f64> {
+    let mut clock = Clock::start();
+    while let Ok((place, words)) = clock.wait(|| words.recv()) {
+        let mut cells: Chunks = [([0, 0], words)].into();
+        let finished = layers::from_chunks(&part(grid, place), method, &cells);
+        if let (Some(give_back), Some((_, mut words))) = (give_back, cells.pop_first()) {
+            words.fill(0);
+            // If the one before is still there, one is enough.
+            let _ = give_back.try_send(words);
+        }
+        take(Chunk { place, finished })?;
+    }
+    Ok(clock.worked())
+}
+
+fn died(stage: &str) -> Error {
+    Error::Resources(format!("{stage} died; this is a defect of echogrid: please report it"))
+}

@@ -1,0 +1,202 @@
+//! A cell's history: the items that touched it, and what each did.
+//!
+//! A cell's state depends on the readings that touch it, and of each on what was found for the whole reading, which is kept: so its
+//! history is a run of the kernel over its own tile, one reading at a time.
+
+use super::apply::{binning, cone, snap_update};
+use super::cells::words_at;
+use super::working::said;
+use super::{Cell, Items, Stepper};
+use crate::Result;
+use crate::binning::batch::Batch;
+use crate::binning::snap::region;
+use crate::binning::update::Bins;
+use crate::geometry::layout::{CHUNK, COUNT, Frame, TILE, TILE_CELLS};
+use crate::method::driver::Job;
+use crate::method::settings::Settings;
+use crate::method::{self, Pass, Step};
+use crate::oracle;
+use crate::pipeline::mapper::{self, Item};
+use rayon::prelude::*;
+
+/// What an item did to the cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// Which item, from 0.
+    pub item: usize,
+    /// From its arc; else from its interior.
+    pub arc: bool,
+    /// The cell before it; of a scan, which has no order, nothing is said.
+    pub before: Option<Cell>,
+    /// After it.
+    pub after: Option<Cell>,
+    /// Its own evidence of the cell ([`oracle::WorkingCell::own`]); of an update P(occupied) that it says; of a scan nothing.
+    pub own: Option<f64>,
+    /// Of a scan the beam that the cell takes, and what each α gained.
+    pub given: Option<oracle::Given>,
+}
+
+/// A cell's history up to the position.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct History {
+    /// How many items touched it.
+    pub total: usize,
+    /// The last of them, latest first.
+    pub events: Vec<Event>,
+}
+
+impl Stepper {
+    /// The history of a cell: the last `count` items that touched it.
+    ///
+    /// # Errors
+    /// The kernels'.
+    pub fn history(&self, column: usize, row: usize, count: usize) -> Result<History> {
+        let mut events = match self.items() {
+            Items::Scans(scans) => {
+                let all = &scans.all[..self.position()];
+                let given = oracle::given(self.grid(), all, &scans.csm, (column, row));
+                let event = |given: oracle::Given| Event {
+                    item: given.beam.0,
+                    arc: given.counted[1],
+                    before: None,
+                    after: None,
+                    own: None,
+                    given: Some(given),
+                };
+                given.into_iter().map(event).collect()
+            }
+            Items::Updates(..) => self.of_updates(column, row)?,
+            Items::Readings(all) | Items::Anew(all) => self.of_readings(&all[..self.position()], column, row)?,
+        };
+        let total = events.len();
+        events.reverse();
+        events.truncate(count);
+        for event in &mut events {
+            event.own = self.own(event, column, row)?;
+        }
+        Ok(History { total, events })
+    }
+
+    /// An item's own evidence of the cell.
+    fn own(&self, event: &Event, column: usize, row: usize) -> Result<Option<f64>> {
+        if let (Items::Updates(..), Some(before), Some(after)) = (self.items(), &event.before, &event.after) {
+            return Ok(Some(said(self, before, after)));
+        }
+        let Some((reading, wedge)) = self.items().reading(event.item) else { return Ok(None) };
+        let settings = self.method().settings();
+        let working = oracle::working_of(self.grid(), self.sensors(), &reading, &settings, wedge, &|_| 0.0)?;
+        let cell = working.cells.iter().find(|c| (c.update.column, c.update.row) == (column, row));
+        Ok(cell.map(|c| c.own))
+    }
+
+    fn of_readings(&self, items: &[Item], column: usize, row: usize) -> Result<Vec<Event>> {
+        let (session, footprint) = (self.session(), self.method().footprint());
+        let touches = |(k, item): (usize, &Item)| {
+            let cone = cone(session, item)?;
+            let (interior, arc) = region(&cone, footprint, column as i64, row as i64);
+            (interior || arc).then_some((k, arc, cone))
+        };
+        let touching: Vec<_> = items.par_iter().enumerate().filter_map(touches).collect();
+        if matches!(self.method().settings(), Settings::Himm(h) if h.gro) {
+            return self.replayed(touching.into_iter().map(|t| t.0), column, row);
+        }
+        let mut run = Run::new(self, column, row);
+        let mut events = Vec::new();
+        // In two sweeps interiors come first, then arcs.
+        let sweeps = self.method().sweeps();
+        for (sweep, steps) in sweeps.iter().enumerate() {
+            let mut binning = binning(session, steps);
+            binning.only = Some([(column / (TILE * CHUNK)) as u32, (row / (TILE * CHUNK)) as u32]);
+            for (k, _, cone) in touching.iter().filter(|t| sweeps.len() == 1 || t.1 == (sweep > 0)) {
+                let share = self.shares.get(*k).copied().unwrap_or_default();
+                run.apply(*k, &binning.bin(vec![*cone]), steps, share, &mut events);
+            }
+        }
+        Ok(events)
+    }
+
+    fn of_updates(&self, column: usize, row: usize) -> Result<Vec<Event>> {
+        let grid = self.grid();
+        let (x, y) = grid.centre(column, row);
+        let (mut run, mut events) = (Run::new(self, column, row), Vec::new());
+        let bins = Bins { size: [grid.width, grid.height] };
+        for k in 0..self.position() {
+            let Some(update) = self.items().update(k) else { continue };
+            let pose = update.reading.record.pose;
+            // No update reaches farther than 512 cells.
+            if (pose.x - x).hypot(pose.y - y) > 514.0 * grid.resolution {
+                continue;
+            }
+            let Some(snapped) = snap_update(self.session(), update)? else { continue };
+            run.apply(k, &bins.bin(&[snapped]).batch, self.method().sweeps()[0], [0; 4], &mut events);
+        }
+        Ok(events)
+    }
+
+    /// By going through the whole log again, for a method whose cells look at their neighbours.
+    fn replayed(&self, touching: impl Iterator<Item = usize>, column: usize, row: usize) -> Result<Vec<Event>> {
+        let mut again = crate::kernels::cpu::Cpu::new(0)?;
+        let planes = method::planes(self.method());
+        let (mut at, mut events) = (0, Vec::new());
+        for k in touching {
+            let mut words = Vec::new();
+            for to in [k, k + 1] {
+                super::apply::items(self.session(), self.items(), at..to, &mut again, &mut Default::default())?;
+                at = to;
+                let found = super::cell_of(again.chunks(), planes, column, row);
+                words.push(found.unwrap_or_else(|| vec![0; planes]));
+            }
+            events.extend(event(self, k, &words[0], &words[1]));
+        }
+        Ok(events)
+    }
+}
+
+/// What an item made of the cell; `None`: nothing.
+fn event(stepper: &Stepper, item: usize, before: &[u32], after: &[u32]) -> Option<Event> {
+    let cell = |words| Some(Cell::of(stepper.method(), Some(words)));
+    let arc = before[1] != after[1];
+    (before != after).then(|| Event { item, arc, before: cell(before), after: cell(after), own: None, given: None })
+}
+
+/// A run of the kernel over one tile.
+struct Run<'a> {
+    stepper: &'a Stepper,
+    frame: Frame,
+    /// The tile's lower left cell.
+    corner: [u32; 2],
+    /// The cell in the tile.
+    at: usize,
+    state: Vec<u32>,
+}
+
+impl Run<'_> {
+    fn new(stepper: &Stepper, column: usize, row: usize) -> Run<'_> {
+        Run {
+            stepper,
+            frame: mapper::frame(stepper.grid(), stepper.method()),
+            corner: [column, row].map(|v| (v / TILE * TILE) as u32),
+            at: row % TILE * TILE + column % TILE,
+            state: vec![0; method::planes(stepper.method()) * TILE_CELLS],
+        }
+    }
+
+    /// Applies a batch of one item to the tile, and notes what it did to the cell.
+    fn apply(&mut self, item: usize, batch: &Batch, steps: &[Step], share: [u32; 4], events: &mut Vec<Event>) {
+        let lists = batch.chunks.iter().flat_map(|list| list.tiles.iter().map(move |tile| (list, tile)));
+        let Some((list, tile)) = lists.into_iter().find(|(_, tile)| tile.corner == self.corner) else { return };
+        let entries = &list.entries[tile.entries[0] as usize..tile.entries[1] as usize];
+        let planes = method::planes(self.stepper.method());
+        let before = words_at(&self.state, planes, self.at);
+        for step in steps {
+            let Step::Pass(Pass::Fuse, mode) = *step else { continue };
+            let frame = Frame { mode: mode | COUNT, ..self.frame };
+            let Batch { cones, scans, beams, centres, shapes, points, .. } = batch;
+            let shares = &[share];
+            let job =
+                Job { frame: &frame, cones, tile, entries, parts: &[], shares, scans, beams, centres, shapes, points };
+            self.stepper.method().run(Pass::Fuse, &job, &mut self.state);
+        }
+        events.extend(event(self.stepper, item, &before, &words_at(&self.state, planes, self.at)));
+    }
+}

@@ -1,0 +1,59 @@
+//! What the machine has: memory and disk that are free, sizes as text.
+
+/// A size in bytes from its text: a number with KiB, MiB, GiB, TiB, kB, MB, GB, TB or B.
+pub fn parse(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 9] = [
+        ("KiB", 1024.0),
+        ("MiB", 1048576.0),
+        ("GiB", 1073741824.0),
+        ("TiB", 1099511627776.0),
+        ("kB", 1e3),
+        ("MB", 1e6),
+        ("GB", 1e9),
+        ("TB", 1e12),
+        ("B", 1.0),
+    ];
+    let (unit, scale) = UNITS.iter().find(|(unit, _)| text.ends_with(unit)).copied().unwrap_or(("", 1.0));
+    match text[..text.len() - unit.len()].trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value * scale < 1e18 => Ok((value * scale) as u64),
+        _ => Err(format!("{text} is not a size: give a number with a unit, such as 4GiB or 500MB")),
+    }
+}
+
+/// A size for people.
+pub fn show(bytes: u64) -> String {
+    match bytes as f64 {
+        b if b < 1048576.0 => format!("{:.0} KiB", b / 1024.0),
+        b if b < 1073741824.0 => format!("{:.0} MiB", b / 1048576.0),
+        b if b < 1e13 => format!("{:.1} GiB", b / 1073741824.0),
+        b => format!("{:.0} TiB", b / 1099511627776.0),
+    }
+}
+
+/// Memory that the system would give now, bytes, where it tells.
+pub fn available() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|l| l.starts_with("MemAvailable:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib * 1024)
+}
+
+/// Space that is free where a folder lies, bytes, where the system tells.
+pub fn space(folder: &std::path::Path) -> Option<u64> {
+    #[cfg(unix)]
+    return rustix::fs::statvfs(folder).ok().map(|s| s.f_bavail.saturating_mul(s.f_frsize));
+    #[cfg(not(unix))]
+    return None;
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn sizes() {
+        assert_eq!(super::parse("4GiB"), Ok(4 << 30));
+        assert_eq!(super::parse("1.5 kB"), Ok(1500));
+        assert_eq!(super::parse("1024"), Ok(1024));
+        for bad in ["", "GiB", "-1MB", "4 gigs", "nan"] {
+            assert!(super::parse(bad).is_err(), "{bad}");
+        }
+    }
+}
