@@ -9,7 +9,8 @@ use echogrid::bench::throughput::measure;
 use echogrid::bench::workload::standard;
 use echogrid::kernels::{Choice, choose};
 use echogrid::method::{REGISTRY, Unit, make, settings::Settings};
-use echogrid::pipeline::mapper::{BATCH, Mapper};
+use echogrid::binning::batch::BATCH;
+use echogrid::pipeline::mapper::Mapper;
 
 fn kernels(c: &mut Criterion) {
     // The 2 cm workloads take seconds a run: `echogrid bench` has them.
