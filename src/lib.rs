@@ -18,7 +18,9 @@ pub mod output;
 pub mod world;
 pub mod evaluate;
 pub mod bench;
+#[cfg(feature = "view")]
 pub mod view;
+#[cfg(feature = "cli")]
 pub mod cli;
 
 pub use support::error::{Error, Result};
