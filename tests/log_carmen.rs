@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use echogrid::Error;
-use echogrid::log::reading::{Counts, Outcome, Pose, judge};
+use echogrid::log::reading::{Counts, Outcome, Pose, classify};
 use echogrid::log::{Log, Options};
 use echogrid::sensor::Overrides;
 use std::f64::consts::PI;
@@ -88,7 +88,7 @@ fn mapped(log: &Log, walls: &[usize]) -> (Counts, f64) {
     let mut met = [false; 4];
     for record in log.records().unwrap() {
         let record = record.unwrap();
-        let judged = judge(record, &log.header().sensors[record.sensor as usize]);
+        let judged = classify(record, &log.header().sensors[record.sensor as usize]);
         counts.add(&judged);
         if let Ok(reading) = judged
             && reading.outcome == Outcome::Hit

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-use echogrid::log::reading::{Record, Unused, judge};
+use echogrid::log::reading::{Record, Unused, classify};
 use echogrid::log::{Log, Options, Problem};
 use echogrid::sensor::{Kind, Mounts, SensorFile};
 use std::io::Write;
@@ -44,7 +44,7 @@ fn json_lines() {
     assert_eq!((first.line, first.range, first.label), (2, 1.25, None));
     assert_eq!((records[1].pose.heading, records[1].label, records[1].sensor), (0.7, Some(2), 1));
     assert_eq!(records[2].range, f64::INFINITY);
-    assert_eq!(judge(records[3], left), Err(Unused::NotANumber));
+    assert_eq!(classify(records[3], left), Err(Unused::NotANumber));
     // Again, from the start; and with a byte-order mark and CRLF.
     assert_eq!(read(&log).len(), 4);
     let windows = format!("\u{feff}{}", examples("jsonl")[0].replace('\n', "\r\n"));
@@ -97,7 +97,7 @@ fn carmen() {
     assert_eq!((records.len(), pass.ignored()), (10, 2));
     let ranges: Vec<f64> = records[..4].iter().map(|r| r.range).collect();
     assert_eq!(ranges, [1.5, 2.5, 50.0, 81.91]);
-    let silent = |r: &Record| judge(*r, &sensors[r.sensor as usize]) == Err(Unused::NoEcho);
+    let silent = |r: &Record| classify(*r, &sensors[r.sensor as usize]) == Err(Unused::NoEcho);
     assert_eq!(records[..4].iter().map(silent).collect::<Vec<_>>(), [false, false, true, true]);
     let degrees = |r: &Record| (r.pose.heading - r.robot.heading).to_degrees();
     for (record, bearing) in records.iter().zip([-90.0, -45.0, 0.0, 45.0, 90.0, 180.0, 270.0]) {

@@ -6,7 +6,7 @@
 mod data;
 
 use data::data;
-use echogrid::log::reading::{Counts, Record, Unused, judge};
+use echogrid::log::reading::{Counts, Record, Unused, classify};
 use echogrid::log::{Log, Options, Problem};
 use echogrid::sensor::{Kind, Overrides};
 
@@ -17,7 +17,7 @@ fn read(log: &Log) -> Vec<Record> {
 fn count(log: &Log) -> Counts {
     let mut counts = Counts::default();
     for record in read(log) {
-        counts.add(&judge(record, &log.header().sensors[record.sensor as usize]));
+        counts.add(&classify(record, &log.header().sensors[record.sensor as usize]));
     }
     counts
 }
@@ -95,7 +95,7 @@ fn carmen_logs() {
             let record = record.unwrap();
             records += 1;
             last = record.scan;
-            none += u64::from(judge(record, s) == Err(Unused::NoEcho));
+            none += u64::from(classify(record, s) == Err(Unused::NoEcho));
         }
         assert_eq!((records, last), (scans * u64::from(beams), scans - 1), "{name}");
         assert!(pass.ignored() > 1000);

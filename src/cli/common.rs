@@ -158,7 +158,7 @@ fn method_help() -> String {
 
 /// Every key of `--set`.
 fn set_help() -> String {
-    let keys = |keys: &[method::settings::Key]| -> String {
+    let keys = |keys: &[crate::sensor::ParameterDoc]| -> String {
         keys.iter().map(|k| format!("\n    {}={} [{}]  {}", k.name, k.values, k.default, k.about)).collect()
     };
     let mut help = String::from("Set a parameter, as often as needed.\n\n  every method:");

@@ -2,8 +2,8 @@
 //! meant.
 
 use crate::method::REGISTRY;
-use crate::method::settings::{Key, Settings};
-use crate::sensor::OVERRIDE_KEYS;
+use crate::method::settings::Settings;
+use crate::sensor::{OVERRIDE_KEYS, ParameterDoc};
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -41,7 +41,7 @@ pub fn settings() -> Vec<String> {
     all.into_iter().collect()
 }
 
-fn values(key: &Key) -> Vec<String> {
+fn values(key: &ParameterDoc) -> Vec<String> {
     let word = |text: &str| text.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
     match key.values.split('|').collect::<Vec<_>>() {
         words if words.len() > 1 && words.iter().all(|w| word(w)) => {

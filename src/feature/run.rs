@@ -7,7 +7,7 @@ use super::rules::Rules;
 use super::stage::{MOST, Stage, Tally};
 use super::update::Update;
 use crate::geometry::plane::distance;
-use crate::log::reading::{Record, judge};
+use crate::log::reading::{Record, classify};
 use crate::sensor::Sensor;
 use crate::{Error, Result};
 use serde::Serialize;
@@ -128,7 +128,7 @@ impl Feed<'_> {
             self.scan.push(ping);
             self.pings += 1;
         }
-        self.used += u64::from(judge(record, sensor).is_ok());
+        self.used += u64::from(classify(record, sensor).is_ok());
         self.used < self.most
     }
 

@@ -1,8 +1,13 @@
 //! ARIA's laser logs (`.2d`, for MobileRobots' Mapper): tags with a colon, millimetres and degrees. `sick1pose:` and `sick1conf:` describe
 //! a laser, `robot:` or `robotGlobal:` give the robot's pose, `sick1:` lists ranges (old logs) or `scan1:` hit points (newer ones).
 
-use super::format::{Format, Items, Mounted, Place, Probe, Source, check_pose, lasers_only, number};
-use super::text::{Parse, Scan, TextLog, file_of, look, sick_code};
+use super::format::{Format, LogPath, Probe, RecordQueue, Source};
+use super::mounting::MountedSensor;
+use super::opening::laser_file;
+use super::scan::ScanHeader;
+use super::sick::no_return_code;
+use super::text::{LineParser, TextLog, for_each_line};
+use super::values::{check_pose, parse_number, quote};
 use crate::log::reading::Pose;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
@@ -20,19 +25,18 @@ impl Format for Aria {
         "aria"
     }
 
-    fn looks(&self) -> &'static str {
+    fn describe(&self) -> &'static str {
         "an ARIA laser log (.2d, LaserOdometryLog)"
     }
 
-    fn claims(&self, probe: &Probe<'_>) -> bool {
+    fn sniff(&self, probe: &Probe<'_>) -> bool {
         matches!(probe, Probe::Text(text) if text.trim_start().starts_with("LaserOdometry"))
     }
 
-    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
-        let input = file_of(place, "ARIA")?;
-        lasers_only(input, kind, self.name())?;
-        let (lasers, global) = survey(input)?;
-        let used: Vec<(u32, Laser)> =
+    fn open(&self, place: &LogPath, kind: Option<Kind>) -> Result<Box<dyn Source>> {
+        let input = laser_file(place, kind, "ARIA", self.name())?;
+        let (lasers, global) = read_lasers(input)?;
+        let used: Vec<(u32, AriaLaser)> =
             lasers.into_iter().filter(|(_, laser)| laser.points || laser.ranges > 0).collect();
         if used.is_empty() {
             return Err(Error::input(input.path(), "an ARIA log without a sick1: or scan1: line: nothing to map"));
@@ -51,16 +55,16 @@ impl Format for Aria {
             beams: used.iter().any(|(_, laser)| !laser.points),
             posed: true,
             notes,
-            parse: Lines { lasers: used.into(), global, t: 0.0, robot: None, scan: 0 },
+            parser: AriaParser { lasers: used.into(), global, t: 0.0, robot: None, scan: 0 },
         }))
     }
 }
 
 /// A laser, as far as the log describes it.
 #[derive(Clone, Default)]
-struct Laser {
+struct AriaLaser {
     /// Its place on the robot.
-    place: Pose,
+    mount: Pose,
     /// Bearings of the first and the last beam, radians, and how many there are.
     conf: Option<(f64, f64, u32)>,
     /// It gives hit points; its ranges, if there are some too, are the same again.
@@ -71,7 +75,7 @@ struct Laser {
     largest: f64,
 }
 
-impl Laser {
+impl AriaLaser {
     fn step(&self) -> Option<f64> {
         let (first, last, count) = self.conf.filter(|(_, _, count)| *count > 1)?;
         Some((last - first) / f64::from(count - 1)).filter(|step| *step != 0.0)
@@ -82,11 +86,11 @@ impl Laser {
         Description {
             id: Some(format!("laser{n}")),
             kind: Some(Kind::Laser),
-            x: Some(self.place.x),
-            y: Some(self.place.y),
-            axis: Some(self.place.heading),
+            x: Some(self.mount.x),
+            y: Some(self.mount.y),
+            axis: Some(self.mount.heading),
             half_width: self.step().map(|step| (step.abs() / 2.0).min(0.5)),
-            r_max: sick_code(self.largest).map(|code| code / 1000.0),
+            r_max: no_return_code(self.largest).map(|code| code / 1000.0),
             beams: self.conf.map(|(_, _, count)| count).filter(|_| !self.points),
             first: beams(self.conf.map(|(first, _, _)| first)),
             step: beams(self.step()),
@@ -96,7 +100,7 @@ impl Laser {
 }
 
 /// `sick1: …`: what the tag is, which laser it is of, and what follows.
-fn tag(line: &str) -> Option<(&str, u32, &str)> {
+fn split_tag(line: &str) -> Option<(&str, u32, &str)> {
     let (tag, rest) = line.trim().split_once(':')?;
     let digits = tag.find(|c: char| c.is_ascii_digit());
     let (name, what) = match digits {
@@ -115,15 +119,15 @@ fn tag(line: &str) -> Option<(&str, u32, &str)> {
 }
 
 fn numbers(text: &str) -> std::result::Result<Vec<f64>, String> {
-    text.split_ascii_whitespace().enumerate().map(|(i, field)| number(i + 2, field)).collect()
+    text.split_ascii_whitespace().enumerate().map(|(i, field)| parse_number(i + 2, field)).collect()
 }
 
 /// What lasers there are, and whether the log has corrected poses.
-fn survey(input: &super::input::Input) -> Result<(BTreeMap<u32, Laser>, bool)> {
-    let mut lasers: BTreeMap<u32, Laser> = BTreeMap::new();
+fn read_lasers(input: &super::input::Input) -> Result<(BTreeMap<u32, AriaLaser>, bool)> {
+    let mut lasers: BTreeMap<u32, AriaLaser> = BTreeMap::new();
     let mut global = false;
-    look(input, |line, _| {
-        let Some((tag, n, rest)) = tag(line) else { return true };
+    for_each_line(input, |line, _| {
+        let Some((tag, n, rest)) = split_tag(line) else { return true };
         match tag {
             "robotGlobal" => global |= numbers(rest).is_ok_and(|v| v.len() >= 3),
             "pose" | "conf" | "ranges" | "points" => {
@@ -132,7 +136,7 @@ fn survey(input: &super::input::Input) -> Result<(BTreeMap<u32, Laser>, bool)> {
                 match (tag, values[..].len(), &values[..]) {
                     // scan1pose has a height before its angle.
                     ("pose", 3 | 4, [x, y, .., turn]) => {
-                        laser.place = Pose { x: x / 1000.0, y: y / 1000.0, heading: turn.to_radians() };
+                        laser.mount = Pose { x: x / 1000.0, y: y / 1000.0, heading: turn.to_radians() };
                     }
                     ("conf", 3, [first, last, count]) if (1.0..1e6).contains(count) => {
                         laser.conf = Some((first.to_radians(), last.to_radians(), *count as u32));
@@ -153,28 +157,28 @@ fn survey(input: &super::input::Input) -> Result<(BTreeMap<u32, Laser>, bool)> {
 }
 
 #[derive(Clone)]
-struct Lines {
-    lasers: Arc<[(u32, Laser)]>,
+struct AriaParser {
+    lasers: Arc<[(u32, AriaLaser)]>,
     global: bool,
     t: f64,
     robot: Option<Pose>,
     scan: u64,
 }
 
-impl Parse for Lines {
-    fn line(
+impl LineParser for AriaParser {
+    fn parse_line(
         &mut self,
         line: &str,
         at: u64,
-        sensors: &[Mounted],
-        items: &mut Items,
+        sensors: &[MountedSensor],
+        items: &mut RecordQueue,
     ) -> std::result::Result<bool, String> {
         let text = line.trim();
         if text.is_empty() || text.starts_with('#') || text.starts_with("LaserOdometry") {
             return Ok(true);
         }
-        let Some((tag, n, rest)) = tag(text) else {
-            return Err(format!("{} is no tag of an ARIA log", super::format::quote(text)));
+        let Some((tag, n, rest)) = split_tag(text) else {
+            return Err(format!("{} is no tag of an ARIA log", quote(text)));
         };
         match tag {
             "time" | "logTime" => {
@@ -199,10 +203,10 @@ impl Parse for Lines {
                 let Some(sensor) = found else { return Ok(false) };
                 let robot = self.robot.ok_or("a scan without the robot's pose before it")?;
                 let values = numbers(rest)?;
-                let scan = Scan { t: self.t, number: self.scan, sensor, robot, given: None, line: at };
+                let scan = ScanHeader { t: self.t, number: self.scan, sensor, robot, given: None, line: at };
                 match tag {
                     "ranges" => ranges(&scan, &values, sensors, items)?,
-                    _ => points(&scan, &values, &self.lasers[sensor].1.place, sensors, items)?,
+                    _ => points(&scan, &values, &self.lasers[sensor].1.mount, sensors, items)?,
                 }
                 self.scan += 1;
                 return Ok(true);
@@ -213,7 +217,12 @@ impl Parse for Lines {
     }
 }
 
-fn ranges(scan: &Scan, mm: &[f64], sensors: &[Mounted], items: &mut Items) -> std::result::Result<(), String> {
+fn ranges(
+    scan: &ScanHeader,
+    mm: &[f64],
+    sensors: &[MountedSensor],
+    items: &mut RecordQueue,
+) -> std::result::Result<(), String> {
     let beams = sensors.get(scan.sensor).and_then(|m| m.beams).ok_or("nothing says where its beams look")?;
     if mm.len() != beams.count as usize {
         return Err(format!("expected {} ranges, as sick1conf says, found {}", beams.count, mm.len()));
@@ -226,11 +235,11 @@ fn ranges(scan: &Scan, mm: &[f64], sensors: &[Mounted], items: &mut Items) -> st
 
 /// Hit points in the robot's frame; (0, 0) is a beam without one.
 fn points(
-    scan: &Scan,
+    scan: &ScanHeader,
     mm: &[f64],
-    place: &Pose,
-    sensors: &[Mounted],
-    items: &mut Items,
+    mount: &Pose,
+    sensors: &[MountedSensor],
+    items: &mut RecordQueue,
 ) -> std::result::Result<(), String> {
     if !mm.len().is_multiple_of(2) {
         return Err(format!("{} numbers are no pairs of x and y", mm.len()));
@@ -239,8 +248,8 @@ fn points(
         if !(point[0].is_finite() && point[1].is_finite()) {
             return Err(format!("({}, {}) is no point", point[0], point[1]));
         }
-        let (dx, dy) = (point[0] / 1000.0 - place.x, point[1] / 1000.0 - place.y);
-        scan.push(sensors, dy.atan2(dx) - place.heading, dx.hypot(dy), items);
+        let (dx, dy) = (point[0] / 1000.0 - mount.x, point[1] / 1000.0 - mount.y);
+        scan.push(sensors, dy.atan2(dx) - mount.heading, dx.hypot(dy), items);
     }
     Ok(())
 }

@@ -1,8 +1,13 @@
 //! The logs of CMU's course 16-833 (`robotdata1.log`): `L x y θ xl yl θl r1 … r180 t` is a scan with the robot's and the laser's
 //! poses, `O x y θ t` odometry. Centimetres and radians; beam k at −90° + k · 1°; ranges from 8183 cm on are no return.
 
-use super::format::{Format, Items, Mounted, Place, Probe, Source, check_pose, lasers_only, number};
-use super::text::{Parse, SICK_CODES, Scan, TextLog, file_of};
+use super::format::{Format, LogPath, Probe, RecordQueue, Source};
+use super::mounting::MountedSensor;
+use super::opening::laser_file;
+use super::scan::ScanHeader;
+use super::sick::SICK_CODES;
+use super::text::{LineParser, TextLog};
+use super::values::{check_pose, parse_number, quote};
 use crate::Result;
 use crate::log::reading::Pose;
 use crate::sensor::{Description, Kind};
@@ -10,9 +15,9 @@ use crate::sensor::{Description, Kind};
 /// Beams of a scan.
 const BEAMS: u32 = 180;
 /// Fields of a scan: the tag, two poses, the ranges and the time.
-const FIELDS: usize = 1 + 6 + BEAMS as usize + 1;
+const SCAN_FIELDS: usize = 1 + 6 + BEAMS as usize + 1;
 /// The laser's place, metres ahead of the robot's centre.
-const AHEAD: f64 = 0.25;
+const LASER_X: f64 = 0.25;
 
 /// The format.
 pub(crate) struct Cmu;
@@ -22,16 +27,16 @@ impl Format for Cmu {
         "cmu"
     }
 
-    fn looks(&self) -> &'static str {
+    fn describe(&self) -> &'static str {
         "a robotdata log of CMU's course 16-833 (L and O lines, centimetres)"
     }
 
-    fn claims(&self, probe: &Probe<'_>) -> bool {
+    fn sniff(&self, probe: &Probe<'_>) -> bool {
         let Probe::Text(text) = probe else { return false };
         text.lines().filter(|line| !line.trim().is_empty()).take(16).any(|line| {
             let mut fields = line.split_ascii_whitespace();
             let wanted = match fields.next() {
-                Some("L") => FIELDS,
+                Some("L") => SCAN_FIELDS,
                 Some("O") => 5,
                 _ => return false,
             };
@@ -41,13 +46,12 @@ impl Format for Cmu {
         })
     }
 
-    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
-        let input = file_of(place, "CMU")?;
-        lasers_only(input, kind, self.name())?;
+    fn open(&self, place: &LogPath, kind: Option<Kind>) -> Result<Box<dyn Source>> {
+        let input = laser_file(place, kind, "CMU", self.name())?;
         let laser = Description {
             id: Some("laser".into()),
             kind: Some(Kind::Laser),
-            x: Some(AHEAD),
+            x: Some(LASER_X),
             r_max: Some(SICK_CODES[0].start() / 100.0),
             beams: Some(BEAMS),
             first: Some(-90f64.to_radians()),
@@ -60,43 +64,43 @@ impl Format for Cmu {
             beams: true,
             posed: true,
             notes: Vec::new(),
-            parse: Lines { scan: 0 },
+            parser: CmuParser { scan: 0 },
         }))
     }
 }
 
 #[derive(Clone)]
-struct Lines {
+struct CmuParser {
     scan: u64,
 }
 
-impl Parse for Lines {
-    fn line(
+impl LineParser for CmuParser {
+    fn parse_line(
         &mut self,
         line: &str,
         at: u64,
-        sensors: &[Mounted],
-        items: &mut Items,
+        sensors: &[MountedSensor],
+        items: &mut RecordQueue,
     ) -> std::result::Result<bool, String> {
         let fields: Vec<&str> = line.split_ascii_whitespace().collect();
-        let value = |i: usize| number(i + 1, fields.get(i).copied().unwrap_or_default());
+        let value = |i: usize| parse_number(i + 1, fields.get(i).copied().unwrap_or_default());
         let pose =
             |i: usize| Ok::<_, String>(Pose { x: value(i)? / 100.0, y: value(i + 1)? / 100.0, heading: value(i + 2)? });
         match fields.first() {
             None => return Ok(true),
             Some(&"O") => return Ok(false),
-            Some(&"L") if fields.len() == FIELDS => {}
-            Some(&"L") => return Err(format!("expected {FIELDS} fields in an L line, found {}", fields.len())),
-            Some(tag) => return Err(format!("{} is neither L nor O", super::format::quote(tag))),
+            Some(&"L") if fields.len() == SCAN_FIELDS => {}
+            Some(&"L") => return Err(format!("expected {SCAN_FIELDS} fields in an L line, found {}", fields.len())),
+            Some(tag) => return Err(format!("{} is neither L nor O", quote(tag))),
         }
         let (robot, laser) = (pose(1)?, pose(4)?);
         check_pose("the robot's", &robot)?;
         check_pose("the laser's", &laser)?;
-        let t = value(FIELDS - 1)?;
+        let t = value(SCAN_FIELDS - 1)?;
         if !t.is_finite() {
             return Err(format!("the time stamp is {t}"));
         }
-        let scan = Scan { t, number: self.scan, sensor: 0, robot, given: Some(laser), line: at };
+        let scan = ScanHeader { t, number: self.scan, sensor: 0, robot, given: Some(laser), line: at };
         let beams = sensors.first().and_then(|m| m.beams).ok_or("the beams are not laid out")?;
         for k in 0..BEAMS as usize {
             let cm = value(7 + k)?;

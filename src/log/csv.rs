@@ -1,21 +1,23 @@
 //! echogrid's own log as CSV: a row of names, then a row a reading. A first line `# {"echogrid_log":1,…}` carries the header
 //! of the JSON Lines format; without it the sensors are unknown ones, found on a first scan of the `sensor` column.
 
-use super::fields::{Builder, Fields, NAMES, SensorName};
-use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, quote};
+use super::fields::{FIELD_NAMES, ReadingFields, RecordBuilder, SensorName};
+use super::format::{Format, LogPath, Probe, RecordQueue, ScanReader, Source};
 use super::input::Input;
-use super::jsonl::Preamble;
-use super::lines::Lines;
-use super::{BadLine, Problem};
-use crate::sensor::{Description, Kind, similar};
+use super::lines::LineReader;
+use super::mounting::MountedSensor;
+use super::opening::require_file;
+use super::preamble::Preamble;
+use super::problem::{BadLine, Problem};
+use super::sensor_ids::{MAX_SENSORS, expand_indices};
+use super::values::quote;
+use crate::sensor::{Description, Kind};
+use crate::support::similar::similar;
 use crate::{Error, Result};
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// No log has more sensors; a damaged one might.
-const MOST_SENSORS: usize = 4096;
 
 /// The format.
 pub(crate) struct Csv;
@@ -25,19 +27,19 @@ impl Format for Csv {
         "echogrid-csv"
     }
 
-    fn looks(&self) -> &'static str {
+    fn describe(&self) -> &'static str {
         "echogrid's CSV (a row of names: t,scan,sensor,px,py,ph,z)"
     }
 
-    fn claims(&self, probe: &Probe<'_>) -> bool {
+    fn sniff(&self, probe: &Probe<'_>) -> bool {
         let Probe::Text(text) = probe else { return false };
         let Some(first) = text.lines().find(|l| !l.trim().is_empty()) else { return false };
-        let known = split(first).iter().filter(|name| NAMES.contains(&name.as_ref())).count();
+        let known = split(first).iter().filter(|name| FIELD_NAMES.contains(&name.as_ref())).count();
         first.trim_start().strip_prefix('#').is_some_and(|rest| rest.trim_start().starts_with('{')) || known >= 3
     }
 
-    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
-        let Place::File(input) = place else { return Err(Error::Usage("a CSV log is a file".into())) };
+    fn open(&self, place: &LogPath, kind: Option<Kind>) -> Result<Box<dyn Source>> {
+        let input = require_file(place, "CSV")?;
         let at = |line, what| Error::at(input.path(), line, what);
         let mut lines = input.lines()?;
         let mut header = None;
@@ -58,7 +60,8 @@ impl Format for Csv {
                 Some(_) => {}
                 None if line.is_empty() => {}
                 None => {
-                    break columns(&line).map_err(|what| super::table::unnamed(input.path(), number, &line, &what))?;
+                    break columns(&line)
+                        .map_err(|what| super::table::columns_needed(input.path(), number, &line, &what))?;
                 }
             }
         };
@@ -73,18 +76,18 @@ impl Format for Csv {
     }
 }
 
-/// What each column holds: an index into [`NAMES`].
+/// What each column holds: an index into [`FIELD_NAMES`].
 fn columns(line: &str) -> std::result::Result<Vec<usize>, String> {
     let mut columns = Vec::new();
     for name in split(line) {
-        match NAMES.iter().position(|n| *n == name) {
+        match FIELD_NAMES.iter().position(|n| *n == name) {
             Some(column) if columns.contains(&column) => return Err(format!("two columns are called {name}")),
             Some(column) => columns.push(column),
-            None => return Err(format!("unknown column {}{}", quote(&name), similar(&name, &NAMES))),
+            None => return Err(format!("unknown column {}{}", quote(&name), similar(&name, &FIELD_NAMES))),
         }
     }
     for need in ["scan", "px", "py", "ph", "z"] {
-        if !columns.iter().any(|c| NAMES[*c] == need) {
+        if !columns.iter().any(|c| FIELD_NAMES[*c] == need) {
             return Err(format!("no column is called {need}"));
         }
     }
@@ -92,10 +95,10 @@ fn columns(line: &str) -> std::result::Result<Vec<usize>, String> {
 }
 
 /// The sensors of a log that describes none.
-fn unknown(mut lines: Lines, columns: &[usize], kind: Option<Kind>) -> Result<Vec<Description>> {
+fn unknown(mut lines: LineReader, columns: &[usize], kind: Option<Kind>) -> Result<Vec<Description>> {
     let mut seen = HashSet::new();
     let mut ids: Vec<String> = Vec::new();
-    let column = columns.iter().position(|c| NAMES[*c] == "sensor");
+    let column = columns.iter().position(|c| FIELD_NAMES[*c] == "sensor");
     while let Some(line) = lines.next() {
         let line = match line {
             Err(Problem::Fatal(error)) => return Err(error),
@@ -105,23 +108,14 @@ fn unknown(mut lines: Lines, columns: &[usize], kind: Option<Kind>) -> Result<Ve
         if let Some(id) = column.and_then(|c| split(line).into_iter().nth(c))
             && !id.is_empty()
             && !line.starts_with('#')
-            && ids.len() < MOST_SENSORS
+            && ids.len() < MAX_SENSORS
             && seen.insert(id.to_string())
         {
             ids.push(id.into_owned());
         }
     }
-    let ids = indices(ids);
+    let ids = expand_indices(ids);
     Ok(ids.into_iter().map(|id| Description { id: Some(id), kind, ..Description::default() }).collect())
-}
-
-/// Names of sensors; plain numbers are indices: sensor 7 alone still means that there are eight.
-pub(super) fn indices(ids: Vec<String>) -> Vec<String> {
-    let indices: Option<Vec<usize>> = ids.iter().map(|id| id.parse().ok().filter(|i| *i < MOST_SENSORS)).collect();
-    match indices {
-        Some(indices) => (0..=indices.into_iter().max().unwrap_or(0)).map(|i| i.to_string()).collect(),
-        None => ids,
-    }
 }
 
 /// The cells of a row.
@@ -165,23 +159,23 @@ impl Source for CsvLog {
         vec![&self.input]
     }
 
-    fn scans(&self, sensors: Arc<[Mounted]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>> {
-        let builder = Builder::new(sensors, self.header.classes.len(), self.only);
+    fn scans(&self, sensors: Arc<[MountedSensor]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn ScanReader>> {
+        let builder = RecordBuilder::new(sensors, self.header.classes.len(), self.only);
         let columns = self.columns.clone();
-        Ok(Box::new(Pass { lines: self.input.lines()?, names: self.names, columns, builder, ignored }))
+        Ok(Box::new(CsvReader { lines: self.input.lines()?, names: self.names, columns, builder, ignored }))
     }
 }
 
-struct Pass {
-    lines: Lines,
+struct CsvReader {
+    lines: LineReader,
     names: u64,
     columns: Arc<[usize]>,
-    builder: Builder,
+    builder: RecordBuilder,
     ignored: Arc<AtomicU64>,
 }
 
-impl Scans for Pass {
-    fn fill(&mut self, items: &mut Items) -> bool {
+impl ScanReader for CsvReader {
+    fn fill(&mut self, items: &mut RecordQueue) -> bool {
         let number = self.lines.number() + 1;
         let made = match self.lines.next() {
             None => return false,
@@ -205,14 +199,14 @@ impl Scans for Pass {
 }
 
 /// The fields of a row. An empty cell is a missing value, and no echo in the column z.
-fn parse<'a>(line: &'a str, columns: &[usize]) -> std::result::Result<Fields<'a>, String> {
+fn parse<'a>(line: &'a str, columns: &[usize]) -> std::result::Result<ReadingFields<'a>, String> {
     let cells = split(line);
     if cells.len() != columns.len() {
         return Err(format!("expected {} cells, found {}", columns.len(), cells.len()));
     }
-    let mut fields = Fields::default();
+    let mut fields = ReadingFields::default();
     for (cell, column) in cells.into_iter().zip(columns) {
-        let name = NAMES[*column];
+        let name = FIELD_NAMES[*column];
         if cell.is_empty() || cell == "null" {
             if name == "z" {
                 fields.z = Some(f64::INFINITY);

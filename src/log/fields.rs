@@ -1,14 +1,16 @@
 //! A line of echogrid's own log, whatever its syntax: the fields as they were given, made into a record.
 
-use super::format::{Mounted, check_pose, quote};
+use super::mounting::MountedSensor;
+use super::values::{check_pose, quote};
 use crate::log::reading::{Pose, Record};
-use crate::sensor::{Kind, similar};
+use crate::sensor::Kind;
+use crate::support::similar::similar;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The names of the fields, in their usual order.
-pub(super) const NAMES: [&str; 11] = ["t", "scan", "sensor", "px", "py", "ph", "x", "y", "h", "z", "label"];
+pub(super) const FIELD_NAMES: [&str; 11] = ["t", "scan", "sensor", "px", "py", "ph", "x", "y", "h", "z", "label"];
 
 /// How a line names its sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +23,7 @@ pub(super) enum SensorName<'a> {
 
 /// The fields of one line; `None`: not given.
 #[derive(Debug, Default)]
-pub(super) struct Fields<'a> {
+pub(super) struct ReadingFields<'a> {
     /// Seconds.
     pub t: Option<f64>,
     /// Scan, from 0.
@@ -39,22 +41,22 @@ pub(super) struct Fields<'a> {
 }
 
 /// Makes records of fields.
-pub(super) struct Builder {
-    sensors: Arc<[Mounted]>,
+pub(super) struct RecordBuilder {
+    sensors: Arc<[MountedSensor]>,
     ids: HashMap<String, u32>,
     classes: usize,
     only: Option<Kind>,
 }
 
-impl Builder {
+impl RecordBuilder {
     /// For a log of these sensors and so many classes; `only`: leave out sensors of the other kind.
-    pub fn new(sensors: Arc<[Mounted]>, classes: usize, only: Option<Kind>) -> Self {
+    pub fn new(sensors: Arc<[MountedSensor]>, classes: usize, only: Option<Kind>) -> Self {
         let ids = (0..).zip(sensors.iter()).map(|(i, m)| (m.sensor.id.clone(), i)).collect();
-        Builder { sensors, ids, classes, only }
+        RecordBuilder { sensors, ids, classes, only }
     }
 
     /// The record, or what is wrong; `None`: its sensor is not of the wanted kind.
-    pub fn record(&self, fields: &Fields<'_>, line: u64) -> Result<Option<Record>, String> {
+    pub fn record(&self, fields: &ReadingFields<'_>, line: u64) -> Result<Option<Record>, String> {
         let need = |name: &str| format!("{name} is missing");
         let index = self.sensor(fields.sensor.as_ref())?;
         let Some(mounted) = self.sensors.get(index as usize) else {

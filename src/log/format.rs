@@ -1,29 +1,15 @@
-//! What a log format is to the rest: it claims a log by its content, describes its sensors, and streams its scans.
-//! **Adding a format is one file and one line in [`FORMATS`].**
+//! The interface of a log format: it recognises a log by its content, describes its sensors, and reads its scans.
 
 use super::input::Input;
-use super::{Problem, aria, carmen, cmu, csv, jsonl, matlab, player, rostopic, sonar_ring_8};
-use crate::log::reading::{Pose, Record};
-use crate::sensor::{Description, Kind, Sensor};
-use crate::{Error, Result};
+use super::mounting::MountedSensor;
+use super::problem::Problem;
+use crate::Result;
+use crate::log::reading::Record;
+use crate::sensor::{Description, Kind};
 use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
-
-/// Every format, in the order in which they are asked.
-pub(crate) const FORMATS: &[&dyn Format] = &[
-    &sonar_ring_8::SonarRing8,
-    &jsonl::JsonLines,
-    &csv::Csv,
-    &rostopic::RosTopic,
-    &aria::Aria,
-    &player::Player,
-    &cmu::Cmu,
-    &carmen::Carmen,
-    &matlab::Matlab,
-    &matlab::Octave,
-];
 
 /// What a format is shown to tell whether a log is its own.
 pub(crate) enum Probe<'a> {
@@ -35,7 +21,7 @@ pub(crate) enum Probe<'a> {
 
 /// Where a log lies.
 #[derive(Clone)]
-pub(crate) enum Place {
+pub(crate) enum LogPath {
     /// A folder of files.
     Folder(std::path::PathBuf),
     /// One file or stream.
@@ -47,11 +33,11 @@ pub(crate) trait Format: Sync {
     /// Its name, in reports.
     fn name(&self) -> &'static str;
     /// What it looks like, for the message about an unknown format.
-    fn looks(&self) -> &'static str;
+    fn describe(&self) -> &'static str;
     /// Whether a log is of this format.
-    fn claims(&self, probe: &Probe<'_>) -> bool;
+    fn sniff(&self, probe: &Probe<'_>) -> bool;
     /// Opens a log, checking all that can be checked before a run. `kind`: which sensors are wanted.
-    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>>;
+    fn open(&self, place: &LogPath, kind: Option<Kind>) -> Result<Box<dyn Source>>;
 }
 
 /// An open log of some format.
@@ -69,7 +55,7 @@ pub(crate) trait Source: Send + Sync {
         true
     }
     /// Refuses sensors that, complete as they are, don't say what the log leaves open.
-    fn ready(&self, _sensors: &[Mounted]) -> Result<()> {
+    fn check_sensors(&self, _sensors: &[MountedSensor]) -> Result<()> {
         Ok(())
     }
     /// Whether a preset of the program, not the log, describes its sensors.
@@ -81,7 +67,7 @@ pub(crate) trait Source: Send + Sync {
         None
     }
     /// What of a sensor's ranges is taken for no return, if any is, in a whole sentence.
-    fn silence(&self, _sensor: usize) -> Option<String> {
+    fn no_return_note(&self, _sensor: usize) -> Option<String> {
         None
     }
     /// Names of the class labels 1, 2, …
@@ -96,108 +82,14 @@ pub(crate) trait Source: Send + Sync {
     /// The files it reads, in a fixed order: the checksum runs over them.
     fn inputs(&self) -> Vec<&Input>;
     /// A pass over the log from its start. Lines of other kinds are counted in `ignored`.
-    fn scans(&self, sensors: Arc<[Mounted]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>>;
+    fn scans(&self, sensors: Arc<[MountedSensor]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn ScanReader>>;
 }
 
 /// What a pass gives.
-pub(crate) type Items = VecDeque<std::result::Result<Record, Problem>>;
+pub(crate) type RecordQueue = VecDeque<std::result::Result<Record, Problem>>;
 
 /// A pass over a log.
-pub(crate) trait Scans: Send {
+pub(crate) trait ScanReader: Send {
     /// Reads on by a line or a scan and appends what it held, if anything; `false` at the end.
-    fn fill(&mut self, items: &mut Items) -> bool;
-}
-
-/// The beams of a laser.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Beams {
-    /// How many.
-    pub count: u32,
-    /// Bearing of the first from the sensor's axis, radians.
-    pub first: f64,
-    /// From one to the next, radians.
-    pub step: f64,
-}
-
-impl Beams {
-    /// So many beams evenly over a field of view about the axis, radians; all around, the last stands beside the first.
-    pub fn over(fov: f64, count: u32) -> Beams {
-        let gaps = if fov > std::f64::consts::TAU - 1e-6 { count } else { count.saturating_sub(1) };
-        Beams { count, first: -fov / 2.0, step: fov / f64::from(gaps.max(1)) }
-    }
-}
-
-/// A sensor, and where its readings are taken to come from.
-#[derive(Debug, Clone)]
-pub(crate) struct Mounted {
-    /// The sensor.
-    pub sensor: Sensor,
-    /// Its beams, if it is a laser whose scans are laid out.
-    pub beams: Option<Beams>,
-    /// The user has placed it: that beats a sensor pose given in the log.
-    pub placed: bool,
-    /// It sits at the robot's centre, whatever the log says (`mounts=none`).
-    pub centred: bool,
-}
-
-impl Mounted {
-    /// The pose of a reading, `off` from the sensor's axis; `given` is the sensor's pose as the log has it.
-    pub fn pose(&self, robot: &Pose, given: Option<Pose>, off: f64) -> Pose {
-        match given {
-            Some(pose) if !self.placed => {
-                let (x, y) = if self.centred { (robot.x, robot.y) } else { (pose.x, pose.y) };
-                Pose { x, y, heading: pose.heading + off }
-            }
-            _ => robot.compose(self.sensor.x, self.sensor.y, self.sensor.axis + off),
-        }
-    }
-}
-
-/// Poses further out are taken for damage: float noise would drown a cell there.
-const FARTHEST: f64 = 1e6;
-/// Headings beyond this are no headings: a robot that turned 1600 times, or a number in another column.
-const LARGEST_ANGLE: f64 = 1e4;
-
-/// Refuses a pose that is not finite or absurdly far out; the text names the value.
-pub(crate) fn check_pose(what: &str, pose: &Pose) -> std::result::Result<(), String> {
-    for (name, value) in [("x", pose.x), ("y", pose.y), ("heading", pose.heading)] {
-        if !value.is_finite() {
-            return Err(format!("{what} {name} is {value}"));
-        }
-        if name == "heading" && value.abs() > LARGEST_ANGLE {
-            return Err(format!("{what} heading is {value} rad, more than 1e4 rad either way"));
-        }
-        if name != "heading" && value.abs() > FARTHEST {
-            return Err(format!("{what} {name} is {value} m, farther than 1e6 m from the origin"));
-        }
-    }
-    Ok(())
-}
-
-/// A piece of a log for a message: short, and safe to print.
-pub(crate) fn quote(text: &str) -> String {
-    let short: String = text.chars().take(40).flat_map(char::escape_debug).collect();
-    if text.chars().nth(40).is_some() { format!("'{short}…'") } else { format!("'{short}'") }
-}
-
-/// A number of a log; the text names the field.
-pub(crate) fn number(field: usize, text: &str) -> std::result::Result<f64, String> {
-    text.parse().map_err(|_| {
-        let point = text.replace(',', ".");
-        match point.parse::<f64>() {
-            Ok(_) => format!("field {field} is {}: write {point} with a point", quote(text)),
-            Err(_) => format!("field {field} is {}, not a number", quote(text)),
-        }
-    })
-}
-
-/// Only lasers here: refuses `--sensor sonar`.
-pub(crate) fn lasers_only(input: &Input, kind: Option<Kind>, format: &str) -> Result<()> {
-    match kind {
-        Some(Kind::Sonar) => Err(Error::input(
-            input.path(),
-            format!("a {format} log holds laser readings only: leave out --sensor sonar"),
-        )),
-        _ => Ok(()),
-    }
+    fn fill(&mut self, items: &mut RecordQueue) -> bool;
 }

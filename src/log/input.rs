@@ -1,9 +1,10 @@
 //! Where a log's bytes come from: a file, plain or gzip, or a stream (standard input, a pipe) that is spooled to a
 //! temporary file, so that every log can be read twice and hashed. The spool has no name and vanishes with the process.
 
-use super::bytes::{Bytes, Pass};
-use super::gzip::{Gunzip, Trail};
-use super::lines::{Lines, unreadable};
+use super::gzip::{GzipReader, TrailingData};
+use super::lines::{LineReader, unreadable};
+use super::snapshot::FileSnapshot;
+use super::snapshot_reader::SnapshotReader;
 use crate::{Error, Result};
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -14,15 +15,15 @@ use std::sync::{Arc, OnceLock};
 /// How messages and reports call standard input.
 pub(crate) const STDIN: &str = "<stdin>";
 /// How much of a log is looked at to tell its format, bytes.
-const HEAD: u64 = 64 << 10;
+const HEAD_BYTES: u64 = 64 << 10;
 
 /// One file of a log.
 #[derive(Debug, Clone)]
 pub(crate) struct Input {
     path: PathBuf,
-    bytes: Arc<Bytes>,
+    bytes: Arc<FileSnapshot>,
     /// What follows the gzip data, once it was read to its end.
-    trail: Arc<OnceLock<Trail>>,
+    trailing: Arc<OnceLock<TrailingData>>,
 }
 
 impl Input {
@@ -33,7 +34,7 @@ impl Input {
         if !file.metadata().map_err(unreadable)?.is_file() {
             return Input::spool(path, file, folder);
         }
-        Input::of(path, Bytes::new(file, Some(path.into())).map_err(unreadable)?)
+        Input::of(path, FileSnapshot::new(file, Some(path.into())).map_err(unreadable)?)
     }
 
     /// A stream, copied to a nameless temporary file in `folder` (the system's, if `None`).
@@ -49,14 +50,14 @@ impl Input {
         };
         let mut file = tempfile::tempfile_in(folder).map_err(full)?;
         io::copy(&mut stream, &mut file).map_err(full)?;
-        Input::of(path, Bytes::new(file, None).map_err(full)?)
+        Input::of(path, FileSnapshot::new(file, None).map_err(full)?)
     }
 
-    fn of(path: &Path, bytes: Bytes) -> Result<Input> {
+    fn of(path: &Path, bytes: FileSnapshot) -> Result<Input> {
         if bytes.is_empty() {
             return Err(Error::input(path, "is empty"));
         }
-        Ok(Input { path: path.into(), bytes: Arc::new(bytes), trail: Arc::default() })
+        Ok(Input { path: path.into(), bytes: Arc::new(bytes), trailing: Arc::default() })
     }
 
     /// Its path, for messages.
@@ -66,13 +67,13 @@ impl Input {
 
     /// What a user should know of it, in whole sentences; complete after the first pass to its end.
     pub fn notes(&self) -> Vec<String> {
-        let trail = self.trail.get().map(|trail| match trail {
-            Trail::Zeros(n) => format!("zeros after its gzip data are passed over ({n} B)"),
-            Trail::Other(n) => {
+        let trailing = self.trailing.get().map(|trailing| match trailing {
+            TrailingData::Zeros(n) => format!("zeros after its gzip data are passed over ({n} B)"),
+            TrailingData::Other(n) => {
                 format!("what follows its gzip data ({n} B) is no gzip and is passed over: if it belongs to the log, fetch it again")
             }
         });
-        self.bytes.notes().into_iter().map(String::from).chain(trail).collect()
+        self.bytes.notes().into_iter().map(String::from).chain(trailing).collect()
     }
 
     /// Whether another program has appended to it since it was opened.
@@ -83,22 +84,22 @@ impl Input {
     /// Its bytes from the start, unpacked if they are gzip.
     pub fn reader(&self) -> Result<Box<dyn BufRead + Send>> {
         let packed = self.bytes.packed().map_err(|e| unreadable(&self.path, None, &e))?;
-        let pass = Pass::new(self.bytes.clone());
+        let pass = SnapshotReader::new(self.bytes.clone());
         Ok(match packed {
-            true => Box::new(BufReader::with_capacity(256 << 10, Gunzip::new(pass, self.trail.clone()))),
+            true => Box::new(BufReader::with_capacity(256 << 10, GzipReader::new(pass, self.trailing.clone()))),
             false => Box::new(pass),
         })
     }
 
     /// Its lines from the start.
-    pub fn lines(&self) -> Result<Lines> {
-        Ok(Lines::new(self.reader()?, &self.path))
+    pub fn lines(&self) -> Result<LineReader> {
+        Ok(LineReader::new(self.reader()?, &self.path))
     }
 
     /// Its first bytes, unpacked.
     pub fn head(&self) -> Result<Vec<u8>> {
         let mut head = Vec::new();
-        match self.reader()?.take(HEAD).read_to_end(&mut head) {
+        match self.reader()?.take(HEAD_BYTES).read_to_end(&mut head) {
             // What there is before the damage may tell the format; the damage is reported when it is reached.
             Err(error) if head.is_empty() => Err(unreadable(&self.path, None, &error)),
             _ if head.is_empty() => Err(Error::input(&self.path, "is empty once unpacked")),
@@ -108,7 +109,7 @@ impl Input {
 
     /// Adds its bytes, as they are stored, to a checksum.
     pub fn hash(&self, sum: &mut Sha256) -> Result<()> {
-        let mut pass = Pass::new(self.bytes.clone());
+        let mut pass = SnapshotReader::new(self.bytes.clone());
         loop {
             let block = pass.fill_buf().map_err(|e| unreadable(&self.path, None, &e))?;
             if block.is_empty() {

@@ -1,17 +1,14 @@
 //! Lines of a text log, in constant memory however long a line is. LF and CRLF end a line, a byte-order mark before the
 //! first is dropped; a line that is too long or not text is a bad line, and the next one is read as usual.
 
-use super::bytes::Changed;
-use super::{BadLine, Problem};
+use super::problem::{BadLine, Problem};
+use super::snapshot::{FileChanged, MAX_LINE_BYTES};
 use crate::Error;
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 
-/// No line of a log is longer, bytes (the longest real ones, 361 beams, have 4 KB).
-pub(super) const LONGEST: usize = 1 << 20;
-
 /// The lines of one input.
-pub(crate) struct Lines {
+pub(crate) struct LineReader {
     reader: Box<dyn BufRead + Send>,
     path: PathBuf,
     buffer: Vec<u8>,
@@ -21,18 +18,18 @@ pub(crate) struct Lines {
     cut: bool,
 }
 
-impl Lines {
+impl LineReader {
     /// Lines of `reader`; `path` is for messages.
     pub fn new(reader: Box<dyn BufRead + Send>, path: &Path) -> Self {
-        Lines { reader, path: path.into(), buffer: Vec::new(), number: 0, ended: false, cut: false }
+        LineReader { reader, path: path.into(), buffer: Vec::new(), number: 0, ended: false, cut: false }
     }
 
-    /// The number of the line that [`Lines::next`] gave last, from 1.
+    /// The number of the line that [`LineReader::next`] gave last, from 1.
     pub fn number(&self) -> u64 {
         self.number
     }
 
-    /// Whether the file ends within the line that [`Lines::next`] gave last.
+    /// Whether the file ends within the line that [`LineReader::next`] gave last.
     pub fn cut(&self) -> bool {
         self.cut
     }
@@ -44,7 +41,7 @@ impl Lines {
         }
         self.buffer.clear();
         self.number += 1;
-        let mut limited = (&mut self.reader).take(LONGEST as u64 + 1);
+        let mut limited = (&mut self.reader).take(MAX_LINE_BYTES as u64 + 1);
         match limited.read_until(b'\n', &mut self.buffer) {
             Ok(0) => {
                 self.ended = true;
@@ -53,7 +50,7 @@ impl Lines {
             Ok(_) => self.cut = !self.buffer.ends_with(b"\n"),
             Err(error) => return Some(Err(self.fatal(&error))),
         }
-        if self.buffer.len() > LONGEST && !self.buffer.ends_with(b"\n") {
+        if self.buffer.len() > MAX_LINE_BYTES && !self.buffer.ends_with(b"\n") {
             if let Err(error) = self.reader.skip_until(b'\n') {
                 return Some(Err(self.fatal(&error)));
             }
@@ -84,7 +81,7 @@ impl Lines {
 
 /// Why reading stopped, and what to do about it.
 pub(crate) fn unreadable(path: &Path, line: Option<u64>, error: &io::Error) -> Error {
-    if let Some(changed) = error.get_ref().and_then(|inner| inner.downcast_ref::<Changed>()) {
+    if let Some(changed) = error.get_ref().and_then(|inner| inner.downcast_ref::<FileChanged>()) {
         return Error::input(path, format!("{changed}: map it again when nothing writes it, or map a copy"));
     }
     let what = match error.kind() {
@@ -107,7 +104,7 @@ mod tests {
     use super::*;
 
     fn lines(bytes: &'static [u8]) -> Vec<(u64, Result<String, String>)> {
-        let mut lines = Lines::new(Box::new(bytes), Path::new("a.log"));
+        let mut lines = LineReader::new(Box::new(bytes), Path::new("a.log"));
         let mut all = Vec::new();
         while let Some(line) = lines.next() {
             let line = line.map(str::to_string).map_err(|p| p.to_string());
@@ -129,7 +126,7 @@ mod tests {
     #[test]
     fn ten_megabytes_in_one_line() {
         let long = Read::chain(io::repeat(b'x').take(10 << 20), &b"\nafter\n"[..]);
-        let mut lines = Lines::new(Box::new(io::BufReader::new(long)), Path::new("a.log"));
+        let mut lines = LineReader::new(Box::new(io::BufReader::new(long)), Path::new("a.log"));
         assert_eq!(lines.next().unwrap().unwrap_err().to_string(), "line 1: longer than 1 MiB");
         assert!(lines.buffer.capacity() < 4 << 20);
         assert_eq!(lines.next().unwrap().unwrap(), "after");

@@ -81,7 +81,7 @@ pub enum Unused {
 }
 
 /// Judges a record by its sensor's limits.
-pub fn judge(record: Record, sensor: &Sensor) -> Result<Reading, Unused> {
+pub fn classify(record: Record, sensor: &Sensor) -> Result<Reading, Unused> {
     let z = record.range;
     if z.is_nan() {
         Err(Unused::NotANumber)

@@ -1,22 +1,22 @@
 //! One pass over a log: its records in order, and the lines that are none.
 
-use super::Problem;
-use super::format::{Items, Scans};
+use super::format::{RecordQueue, ScanReader};
+use super::problem::Problem;
 use crate::log::reading::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The records of a log, from its start, in constant memory. After a [`Problem::Fatal`] there is no more.
 pub struct Records {
-    scans: Box<dyn Scans>,
-    items: Items,
+    scans: Box<dyn ScanReader>,
+    items: RecordQueue,
     ignored: Arc<AtomicU64>,
     ended: bool,
 }
 
 impl Records {
-    pub(super) fn new(scans: Box<dyn Scans>, ignored: Arc<AtomicU64>) -> Self {
-        Records { scans, items: Items::new(), ignored, ended: false }
+    pub(super) fn new(scans: Box<dyn ScanReader>, ignored: Arc<AtomicU64>) -> Self {
+        Records { scans, items: RecordQueue::new(), ignored, ended: false }
     }
 
     /// Lines so far that hold no readings of this kind (odometry, parameters, other sensors): not an error.

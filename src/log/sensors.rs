@@ -1,13 +1,14 @@
 //! Completes a log's sensors: what the format or the log's header says, under the sensor file, under `--set`.
 
-use super::Options;
-use super::format::{Beams, Mounted, Source};
+use super::format::Source;
+use super::mounting::{Beams, MountedSensor};
+use super::options::Options;
 use crate::sensor::{Description, Mounts, Overrides, SensorFile};
 use crate::{Error, Result};
 use std::path::Path;
 
 /// The sensors of a log, complete. An error names the topmost layer that brought it in.
-pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> Result<Vec<Mounted>> {
+pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> Result<Vec<MountedSensor>> {
     let described = source.sensors();
     let file = options.sensor_file.as_deref().map(SensorFile::open).transpose()?;
     if let Some(file) = &file {
@@ -22,10 +23,10 @@ pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> R
         let mut fault = description.complete(i).err().map(header);
         let over = file.as_ref().and_then(|f| f.sensors.get(i));
         if let (Some(over), Some(file)) = (over, &file) {
-            description.lay(over);
+            description.merge(over);
             fault = description.complete(i).err().map(|what| fault.unwrap_or(Error::input(&file.path, what)));
         }
-        description.lay(&set);
+        description.merge(&set);
         lay_beams(&mut description, &options.overrides, source)?;
         let sensor = description.complete(i).map_err(|what| fault.unwrap_or(Error::Usage(format!("--set: {what}"))));
         let mut sensor = sensor?;
@@ -38,7 +39,7 @@ pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> R
             }
             _ => None,
         };
-        mounted.push(Mounted { sensor, beams, placed: over.is_some_and(Description::places), centred });
+        mounted.push(MountedSensor { sensor, beams, placed: over.is_some_and(Description::has_pose), centred });
     }
     Ok(mounted)
 }

@@ -5,24 +5,24 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// So long before the first pose and after the last one it holds, seconds.
-const EDGE: f64 = 0.1;
+const MAX_EXTRAPOLATION: f64 = 0.1;
 /// Between poses farther apart than this, seconds, nothing is known of a robot that moved …
-const LONGEST: f64 = 5.0;
+const MAX_GAP: f64 = 5.0;
 /// … more than this, metres, or turned more than this, radians.
 const STILL: (f64, f64) = (0.05, 0.02);
 
 /// A robot's poses in the order of time, and how many readings found none.
 #[derive(Debug, Clone)]
-pub(super) struct Track {
+pub(super) struct PoseTrack {
     poses: Arc<[(f64, Pose)]>,
     missed: Arc<AtomicU64>,
 }
 
-impl Track {
+impl PoseTrack {
     /// Of poses with their times, seconds, in any order.
-    pub fn of(mut poses: Vec<(f64, Pose)>) -> Track {
+    pub fn of(mut poses: Vec<(f64, Pose)>) -> PoseTrack {
         poses.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Track { poses: poses.into(), missed: Arc::default() }
+        PoseTrack { poses: poses.into(), missed: Arc::default() }
     }
 
     /// How many poses.
@@ -42,12 +42,14 @@ impl Track {
         let before = next.checked_sub(1).and_then(|i| self.poses.get(i));
         match (before, after) {
             (_, Some((time, pose))) if *time == t => Some(*pose),
-            (None, Some((time, pose))) | (Some((time, pose)), None) => ((time - t).abs() <= EDGE).then_some(*pose),
+            (None, Some((time, pose))) | (Some((time, pose)), None) => {
+                ((time - t).abs() <= MAX_EXTRAPOLATION).then_some(*pose)
+            }
             (Some((t0, a)), Some((t1, b))) => {
                 let turn = b.heading - a.heading;
                 let turn = turn.sin().atan2(turn.cos());
                 let still = (b.x - a.x).hypot(b.y - a.y) <= STILL.0 && turn.abs() <= STILL.1;
-                if t1 - t0 > LONGEST && !still {
+                if t1 - t0 > MAX_GAP && !still {
                     return None;
                 }
                 let part = (t - t0) / (t1 - t0);
@@ -70,7 +72,7 @@ impl Track {
         (missed > 0).then(|| {
             format!(
                 "{missed} {what} were left out: at their times there is no pose (the {} poses run from {first:.3} to \
-                 {last:.3} s, and are not filled in over more than {LONGEST} s)",
+                 {last:.3} s, and are not filled in over more than {MAX_GAP} s)",
                 self.len()
             )
         })
@@ -89,7 +91,7 @@ mod tests {
     #[test]
     fn between_poses_and_beside_them() {
         let pose = |x: f64, heading: f64| Pose { x, y: 2.0 * x, heading };
-        let track = Track::of(vec![(3.0, pose(1.0, -3.0)), (1.0, pose(0.0, 3.0)), (20.0, pose(9.0, -3.0))]);
+        let track = PoseTrack::of(vec![(3.0, pose(1.0, -3.0)), (1.0, pose(0.0, 3.0)), (20.0, pose(9.0, -3.0))]);
         let half = track.at(2.0).unwrap();
         assert_eq!((half.x, half.y), (0.5, 1.0));
         // The shorter way round, over π.

@@ -1,8 +1,11 @@
 //! What to say of a file or folder that is no log: what it is, and what to do about it.
 
-use super::format::{FORMATS, Probe, quote};
+use super::format::Probe;
+use super::formats::FORMATS;
 use super::input::Input;
-use super::table::{self, Rows};
+use super::table;
+use super::table::separator::Separator;
+use super::values::quote;
 use crate::Error;
 use std::path::Path;
 
@@ -147,7 +150,7 @@ fn utf16(head: &[u8]) -> bool {
 
 /// The error about a file or folder that no format claims.
 pub(super) fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
-    let known: Vec<&str> = FORMATS.iter().map(|f| f.looks()).collect();
+    let known: Vec<&str> = FORMATS.iter().map(|f| f.describe()).collect();
     let known = known.join("; ");
     let text = match probe {
         Probe::Folder(folder) => return Error::input(path, format!("{} Known are: {known}", in_folder(folder))),
@@ -166,14 +169,14 @@ pub(super) fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
     };
     let line = text.lines().find(plain).or_else(|| text.lines().find(|l| !l.trim().is_empty())).unwrap_or_default();
     let number = text.lines().position(|l| l == line).map_or(1, |i| i as u64 + 1);
-    let rows = Rows::of(line);
+    let rows = Separator::of(line);
     let cells = rows.split(line);
     let numbers = cells.iter().filter(|cell| rows.number(cell).is_some()).count();
     let next = text.lines().skip(number as usize).find(plain).unwrap_or_default();
     let below = rows.split(next).iter().filter(|cell| rows.number(cell).is_some()).count();
     let what = format!("is of no known format; line {number} is {}", quote(line));
     if numbers == 0 && cells.len() > 1 && below > 1 {
-        return table::unnamed(path, number, line, "its columns are not those of a log that is known");
+        return table::columns_needed(path, number, line, "its columns are not those of a log that is known");
     }
     if numbers > 1 {
         let count = cells.len();
@@ -224,7 +227,7 @@ fn in_folder(folder: &Path) -> String {
             return None;
         }
         let text = String::from_utf8_lossy(&head);
-        let format = FORMATS.iter().find(|f| f.claims(&Probe::Text(&text)))?;
+        let format = FORMATS.iter().find(|f| f.sniff(&Probe::Text(&text)))?;
         Some(format!("{} ({})", path.file_name()?.to_string_lossy(), format.name()))
     };
     let logs: Vec<String> = files.iter().filter_map(|path| claim(path)).collect();

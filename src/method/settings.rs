@@ -6,6 +6,7 @@ mod features;
 pub use csm::{Csm, FreeRule};
 pub use features::Features;
 
+use crate::sensor::ParameterDoc;
 use crate::{Error, Result};
 
 /// Order of a certainty grid's updates.
@@ -144,48 +145,49 @@ pub enum Settings {
     Features(Features),
 }
 
-/// A parameter's documentation: key, values, default and meaning, for help and errors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Key {
-    /// Its name in `--set`.
-    pub name: &'static str,
-    /// The values it takes.
-    pub values: &'static str,
-    /// Its default.
-    pub default: &'static str,
-    /// What it does.
-    pub about: &'static str,
-}
-
-const fn key(name: &'static str, values: &'static str, default: &'static str, about: &'static str) -> Key {
-    Key { name, values, default, about }
-}
-
-const CERTAINTY: &[Key] =
-    &[key("order", "sequential|batch", "sequential", "each reading frees then occupies, or every one frees first")];
-const DEMPSTER_SHAFER: &[Key] = &[
-    key("rho", "1/n|0..1", "1/n", "mass of empty in the interior of a cone"),
-    key("model", "pagac|murphy", "pagac", "a reading's masses: 1/n and rho, or Murphy's 11.1 and 11.2"),
-    key("cap", "0..0.999999", "0.98", "largest mass that one reading may give"),
-    key("max_occ", "0..1", "0.98", "Murphy's Max_occ (model murphy)"),
+const CERTAINTY: &[ParameterDoc] = &[ParameterDoc::new(
+    "order",
+    "sequential|batch",
+    "sequential",
+    "each reading frees then occupies, or every one frees first",
+)];
+const DEMPSTER_SHAFER: &[ParameterDoc] = &[
+    ParameterDoc::new("rho", "1/n|0..1", "1/n", "mass of empty in the interior of a cone"),
+    ParameterDoc::new("model", "pagac|murphy", "pagac", "a reading's masses: 1/n and rho, or Murphy's 11.1 and 11.2"),
+    ParameterDoc::new("cap", "0..0.999999", "0.98", "largest mass that one reading may give"),
+    ParameterDoc::new("max_occ", "0..1", "0.98", "Murphy's Max_occ (model murphy)"),
 ];
-const BAYES: &[Key] = &[
-    key(
+const BAYES: &[ParameterDoc] = &[
+    ParameterDoc::new(
         "model",
         "murphy|constant",
         "murphy, for lasers constant",
         "a reading's likelihoods: Murphy's profile, or two constants for lasers",
     ),
-    key("max_occ", "0..1", "0.98", "largest P(s|occupied) on the arc"),
-    key("region_one_floor", "0..0.98", "0.5", "smallest P(s|occupied) on the arc; 0: the book's literal formula"),
-    key("region_two_floor", "0..0.98", "0.5", "smallest P(s|empty) in the interior; 0: the book's literal formula"),
-    key("p_hit", "0.02..0.98", "0.7", "P(s|occupied) on the arc, model constant"),
-    key("p_miss", "0.02..0.98", "0.4", "P(s|occupied) in the interior, model constant"),
-    key("p_occupied", "0.5..1", "0.6", "a cell is occupied above this probability"),
-    key("p_empty", "0..0.5", "0.4", "a cell is empty below this probability"),
+    ParameterDoc::new("max_occ", "0..1", "0.98", "largest P(s|occupied) on the arc"),
+    ParameterDoc::new(
+        "region_one_floor",
+        "0..0.98",
+        "0.5",
+        "smallest P(s|occupied) on the arc; 0: the book's literal formula",
+    ),
+    ParameterDoc::new(
+        "region_two_floor",
+        "0..0.98",
+        "0.5",
+        "smallest P(s|empty) in the interior; 0: the book's literal formula",
+    ),
+    ParameterDoc::new("p_hit", "0.02..0.98", "0.7", "P(s|occupied) on the arc, model constant"),
+    ParameterDoc::new("p_miss", "0.02..0.98", "0.4", "P(s|occupied) in the interior, model constant"),
+    ParameterDoc::new("p_occupied", "0.5..1", "0.6", "a cell is occupied above this probability"),
+    ParameterDoc::new("p_empty", "0..0.5", "0.4", "a cell is empty below this probability"),
 ];
-const HIMM: &[Key] =
-    &[key("gro", "true|false", "false", "growth-rate operator: an occupied cell takes from its neighbours")];
+const HIMM: &[ParameterDoc] = &[ParameterDoc::new(
+    "gro",
+    "true|false",
+    "false",
+    "growth-rate operator: an occupied cell takes from its neighbours",
+)];
 
 impl Settings {
     /// The default parameters of a method, by its name in the registry; `None` if there is no such method.
@@ -206,7 +208,7 @@ impl Settings {
     }
 
     /// The keys this method takes.
-    pub fn keys(&self) -> &'static [Key] {
+    pub fn keys(&self) -> &'static [ParameterDoc] {
         match self {
             Settings::Certainty(_) => CERTAINTY,
             Settings::DempsterShafer(_) => DEMPSTER_SHAFER,

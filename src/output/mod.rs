@@ -22,7 +22,7 @@ pub use features::write_features;
 pub(crate) use folder::seems_map;
 pub use folder::{Folder, Unfinished};
 pub use png::write_picture;
-pub use report::{BadLines, Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
+pub use report::{Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
 pub use ros::{RosMap, read_ros};
 pub use working::write_working;
 pub(crate) use working::{Outline as ConeOutline, own_is, weigher};

@@ -5,6 +5,7 @@ use super::unwritable;
 use crate::Result;
 use crate::feature::Summary;
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
+use crate::log::BadLines;
 use crate::log::reading::Counts;
 use crate::sensor::{AtMax, Kind, Sensor};
 use rayon::prelude::*;
@@ -50,15 +51,6 @@ pub struct LogInfo {
     pub beams: Vec<String>,
     /// How it was read, where a user should know: codes taken for a missing return, messages left out, doubts.
     pub notes: Vec<String>,
-}
-
-/// Lines of the log that couldn't be read.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct BadLines {
-    /// How many.
-    pub count: u64,
-    /// What is wrong with the first three.
-    pub first: Vec<String>,
 }
 
 /// A sensor, complete; lengths in metres and angles in radians, to 1e-9.

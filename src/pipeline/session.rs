@@ -10,7 +10,7 @@ use crate::feature::{self, Found, Update};
 use crate::grid::{GridSpec, Palette};
 use crate::kernels::Backend;
 use crate::log::classes::Classes;
-use crate::log::reading::{Counts, Reading, Record, judge};
+use crate::log::reading::{Counts, Reading, Record, classify};
 use crate::log::{self, Log, Problem};
 use crate::method::settings::{Bayes, Csm, Likelihood, Settings};
 use crate::method::{self, Method};
@@ -450,7 +450,7 @@ impl Items<'_> {
     fn release(&mut self) {
         let edges = wedge::edges(&self.scan, self.sensors);
         for (record, edges) in self.scan.drain(..).zip(edges) {
-            if let Ok(reading) = judge(record, &self.sensors[record.sensor as usize]) {
+            if let Ok(reading) = classify(record, &self.sensors[record.sensor as usize]) {
                 self.ready.push_back((reading, Some(edges)));
             }
         }
@@ -477,7 +477,7 @@ impl Iterator for Items<'_> {
                     self.scan.push(record);
                 }
                 Some(Ok(record)) => {
-                    if let Ok(reading) = judge(record, &self.sensors[record.sensor as usize]) {
+                    if let Ok(reading) = classify(record, &self.sensors[record.sensor as usize]) {
                         return Some(Ok((reading, None)));
                     }
                 }

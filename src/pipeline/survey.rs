@@ -4,9 +4,8 @@ mod covered;
 mod doubts;
 mod way;
 
-use crate::log::reading::{Counts, Outcome, Pose, judge};
-use crate::log::{Log, Problem};
-use crate::output::BadLines;
+use crate::log::reading::{Counts, Outcome, Pose, classify};
+use crate::log::{BadLines, Log, Problem};
 use crate::sensor::Sensor;
 use crate::{Error, Result};
 pub use covered::Spread;
@@ -15,9 +14,6 @@ use covered::Covered;
 use doubts::Doubts;
 use std::path::Path;
 use way::Way;
-
-/// Bad lines that are quoted.
-const QUOTED: usize = 3;
 
 /// What a first pass over a log found.
 #[derive(Debug, Clone)]
@@ -80,15 +76,12 @@ pub fn survey(log: &Log, sensors: &[Sensor], look: &Look) -> Result<Survey> {
             Some(Ok(record)) => record,
             Some(Err(Problem::Fatal(e))) => return Err(e),
             Some(Err(Problem::Line(bad))) => {
-                survey.bad_lines.count += 1;
-                if survey.bad_lines.first.len() < QUOTED {
-                    survey.bad_lines.first.push(bad.to_string());
-                }
+                survey.bad_lines.add(&bad);
                 continue;
             }
         };
         let sensor = &sensors[record.sensor as usize];
-        let judged = judge(record, sensor);
+        let judged = classify(record, sensor);
         survey.counts.add(&judged);
         doubts.look(&record, sensor, &judged);
         let Ok(reading) = judged else { continue };

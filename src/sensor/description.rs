@@ -1,22 +1,16 @@
-//! A sensor as far as somebody has described it: every field may be missing. Descriptions are laid over each other (preset,
-//! log's header, sensor file, `--set`) and then completed to a [`Sensor`] with the defaults of its kind.
+//! A partial description of a sensor: every field may be missing. Descriptions are merged (preset, log's header, sensor file,
+//! `--set`) and then completed to a [`Sensor`] with the defaults of its kind.
 
-use super::{AtMax, Kind, Sensor, angle, length, similar};
-use serde::{Deserialize, Deserializer, de};
-use std::fmt;
+use super::limits::{FULL_CIRCLE, MAX_HALF_WIDTH, check_limit};
+use super::model::{AtMax, Kind, Sensor};
+use super::quantity::{angle, length};
+use super::value::{KEYS, SensorValue};
 
-/// Half width of a sonar that nobody described, radians (15°).
-const SONAR_HALF_WIDTH: f64 = 15.0 * std::f64::consts::PI / 180.0;
-/// Half width of a laser whose beam spacing nobody described, radians (0.25°: the commonest spacing is 0.5°).
-const LASER_HALF_WIDTH: f64 = 0.25 * std::f64::consts::PI / 180.0;
-/// Wider cones than ±60° are refused: the snapped cone's tests don't hold for them.
-const WIDEST: f64 = 60.0 * std::f64::consts::PI / 180.0;
-/// The whole circle, radians, and a hair for rounding.
-const AROUND: f64 = 2.0 * std::f64::consts::PI + 1e-9;
-/// No length of a sensor is longer, metres.
-const LONGEST: f64 = 1e6;
-
-/// A sensor, as far as it is described. Units and frames are those of [`Sensor`].
+/// Half width of a sonar without a description, radians (15°).
+const DEFAULT_SONAR_HALF_WIDTH: f64 = 15.0 * std::f64::consts::PI / 180.0;
+/// Half width of a laser without a known beam spacing, radians (0.25°: the commonest spacing is 0.5°).
+const DEFAULT_LASER_HALF_WIDTH: f64 = 0.25 * std::f64::consts::PI / 180.0;
+/// A partial description of a sensor. Units and frames are those of [`Sensor`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Description {
     /// Its name in the log.
@@ -53,55 +47,37 @@ pub struct Description {
     pub step: Option<f64>,
 }
 
-/// The keys of a sensor table, in a TOML file or in a log's header.
-const KEYS: [&str; 16] = [
-    "id",
-    "kind",
-    "x",
-    "y",
-    "displacement",
-    "axis",
-    "half_width",
-    "r_min",
-    "r_max",
-    "at_r_max",
-    "hit_range",
-    "no_echo_range",
-    "epsilon",
-    "beams",
-    "first",
-    "step",
-];
-
 impl Description {
     /// Sets one key from its value; the error says what the key takes.
-    pub(crate) fn set(&mut self, key: &str, value: &Value) -> Result<(), String> {
+    pub(crate) fn set(&mut self, key: &str, value: &SensorValue) -> Result<(), String> {
         let wrong = |what: String| format!("{key} = {value}: {key} {what}");
         match (key, value) {
-            (_, Value::Null) => return Ok(()),
-            ("id", Value::Text(text)) => self.id = Some(text.clone()),
-            ("id", Value::Number(number)) => self.id = Some(number.to_string()),
-            ("kind", Value::Text(text)) if text == "sonar" => self.kind = Some(Kind::Sonar),
-            ("kind", Value::Text(text)) if text == "laser" => self.kind = Some(Kind::Laser),
+            (_, SensorValue::Null) => return Ok(()),
+            ("id", SensorValue::Text(text)) => self.id = Some(text.clone()),
+            ("id", SensorValue::Number(number)) => self.id = Some(number.to_string()),
+            ("kind", SensorValue::Text(text)) if text == "sonar" => self.kind = Some(Kind::Sonar),
+            ("kind", SensorValue::Text(text)) if text == "laser" => self.kind = Some(Kind::Laser),
             ("kind", _) => return Err(wrong("takes \"sonar\" or \"laser\"".into())),
-            ("at_r_max", Value::Text(text)) => self.at_r_max = Some(AtMax::parse(text).map_err(wrong)?),
+            ("at_r_max", SensorValue::Text(text)) => self.at_r_max = Some(AtMax::parse(text).map_err(wrong)?),
             ("at_r_max", _) => return Err(wrong("takes \"hit\" or \"no_echo\"".into())),
-            ("beams", Value::Number(n)) if n.fract() == 0.0 && (2.0..=1e6).contains(n) => self.beams = Some(*n as u32),
+            ("beams", SensorValue::Number(n)) if n.fract() == 0.0 && (2.0..=1e6).contains(n) => {
+                self.beams = Some(*n as u32)
+            }
             ("beams", _) => return Err(wrong("takes a whole number from 2".into())),
             _ => {
                 let angles = matches!(key, "axis" | "half_width" | "first" | "step");
                 let read = if angles { angle } else { length };
                 let number = match value {
-                    // 90 for a right angle is a slip that would go unseen.
-                    Value::Number(number) if angles && number.is_finite() && number.abs() > AROUND => {
+                    // A plain 90 is most likely meant in degrees.
+                    SensorValue::Number(number) if angles && number.is_finite() && number.abs() > FULL_CIRCLE => {
                         return Err(wrong(format!("is in radians: write \"{number}deg\"")));
                     }
-                    Value::Number(number) if number.is_finite() => *number,
-                    Value::Number(number) => read(&number.to_string()).map_err(wrong)?,
-                    Value::Text(text) => read(text).map_err(wrong)?,
-                    Value::Null => return Ok(()),
+                    SensorValue::Number(number) if number.is_finite() => *number,
+                    SensorValue::Number(number) => read(&number.to_string()).map_err(wrong)?,
+                    SensorValue::Text(text) => read(text).map_err(wrong)?,
+                    SensorValue::Null => return Ok(()),
                 };
-                check_one(key, number).map_err(wrong)?;
+                check_limit(key, number).map_err(wrong)?;
                 *self.slot(key).ok_or_else(|| format!("unknown key {key}"))? = Some(number);
             }
         }
@@ -126,9 +102,9 @@ impl Description {
         })
     }
 
-    /// Lays `upper` over this one: what it says, holds. A lowered `r_max` takes `hit_range` and `no_echo_range` down
-    /// with it, unless `upper` sets them too.
-    pub fn lay(&mut self, upper: &Description) {
+    /// Overrides this description by `upper`, field by field. A lower `r_max` also lowers `hit_range` and `no_echo_range`, unless
+    /// `upper` sets them too.
+    pub fn merge(&mut self, upper: &Description) {
         if upper.x.is_some() || upper.y.is_some() {
             self.displacement = None;
         }
@@ -156,8 +132,8 @@ impl Description {
         }
     }
 
-    /// Whether this one says where the sensor sits or looks.
-    pub(crate) fn places(&self) -> bool {
+    /// Whether this description gives the sensor's position or bearing.
+    pub(crate) fn has_pose(&self) -> bool {
         [self.x, self.y, self.displacement, self.axis].iter().any(Option::is_some)
     }
 
@@ -170,8 +146,10 @@ impl Description {
     pub fn complete(&self, index: usize) -> Result<Sensor, String> {
         let kind = self.kind.unwrap_or(Kind::Sonar);
         let (half_width, r_min, r_max) = match kind {
-            Kind::Sonar => (SONAR_HALF_WIDTH, 0.15, 5.0),
-            Kind::Laser => (self.step.map_or(LASER_HALF_WIDTH, |s| (s.abs() / 2.0).min(WIDEST)), 0.05, 80.0),
+            Kind::Sonar => (DEFAULT_SONAR_HALF_WIDTH, 0.15, 5.0),
+            Kind::Laser => {
+                (self.step.map_or(DEFAULT_LASER_HALF_WIDTH, |s| (s.abs() / 2.0).min(MAX_HALF_WIDTH)), 0.05, 80.0)
+            }
         };
         let axis = self.axis.unwrap_or(0.0);
         let (x, y) = match self.displacement {
@@ -219,91 +197,5 @@ impl Description {
             return fail("beams, first and step are for lasers; a sonar is one beam".into());
         }
         Ok(())
-    }
-}
-
-/// Checks one value by itself; the error says what the key takes.
-pub(super) fn check_one(key: &str, value: f64) -> Result<(), String> {
-    let fine = match key {
-        "half_width" | "beta" => (0.0..=WIDEST).contains(&value),
-        "r_min" | "no_echo_range" => (0.0..=LONGEST).contains(&value),
-        "r_max" | "hit_range" | "epsilon" => value > 0.0 && value <= LONGEST,
-        "step" => value != 0.0 && value.is_finite(),
-        "fov" => value > 0.0 && value <= AROUND,
-        "first_beam" => value.abs() <= AROUND,
-        _ => value.is_finite() && value.abs() <= LONGEST,
-    };
-    match (fine, key) {
-        (true, _) => Ok(()),
-        (_, "half_width" | "beta") => Err("takes 0 to 60deg (1.0472)".into()),
-        (_, "r_min" | "no_echo_range") => Err("takes 0 to 1e6 m".into()),
-        (_, "r_max" | "hit_range" | "epsilon") => Err("takes more than 0, up to 1e6 m".into()),
-        (_, "fov") => Err("takes an angle above 0, up to 360deg (a plain number is in radians: write 180deg)".into()),
-        (_, "first_beam") => Err("takes -360deg to 360deg (a plain number is in radians: write -90deg)".into()),
-        (_, "step") => Err("takes an angle other than 0".into()),
-        _ => Err("takes -1e6 to 1e6".into()),
-    }
-}
-
-/// A value in a sensor table.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Value {
-    /// A plain number: metres or radians.
-    Number(f64),
-    /// A name, or a number with its unit.
-    Text(String),
-    /// As if the key were missing.
-    Null,
-}
-
-impl fmt::Display for Value {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Value::Number(number) => write!(f, "{number}"),
-            Value::Text(text) => write!(f, "{text:?}"),
-            Value::Null => write!(f, "null"),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Value {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl de::Visitor<'_> for Visitor {
-            type Value = Value;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number or a text")
-            }
-            fn visit_f64<E>(self, v: f64) -> Result<Value, E> {
-                Ok(Value::Number(v))
-            }
-            fn visit_i64<E>(self, v: i64) -> Result<Value, E> {
-                Ok(Value::Number(v as f64))
-            }
-            fn visit_u64<E>(self, v: u64) -> Result<Value, E> {
-                Ok(Value::Number(v as f64))
-            }
-            fn visit_str<E>(self, v: &str) -> Result<Value, E> {
-                Ok(Value::Text(v.into()))
-            }
-            fn visit_unit<E>(self) -> Result<Value, E> {
-                Ok(Value::Null)
-            }
-        }
-        deserializer.deserialize_any(Visitor)
-    }
-}
-
-/// A key of a sensor table; any other is refused with the nearest known one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct SensorKey(pub &'static str);
-
-impl<'de> Deserialize<'de> for SensorKey {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        match KEYS.iter().find(|k| **k == name) {
-            Some(key) => Ok(SensorKey(key)),
-            None => Err(de::Error::custom(format!("unknown key {name:?}{}", similar(&name, &KEYS)))),
-        }
     }
 }

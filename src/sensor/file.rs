@@ -2,8 +2,8 @@
 //!
 //! `[[sensor]]` tables in the log's order; an `[all]` table holds what every sensor shares.
 
-use super::Description;
-use super::description::{SensorKey, Value};
+use super::description::Description;
+use super::value::{SensorKey, SensorValue};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ pub struct SensorFile {
     pub sensors: Vec<Description>,
 }
 
-type Table = BTreeMap<SensorKey, Spanned<Value>>;
+type Table = BTreeMap<SensorKey, Spanned<SensorValue>>;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -66,7 +66,7 @@ impl SensorFile {
         let mut sensors = Vec::with_capacity(tables.sensor.len());
         for table in &tables.sensor {
             let mut sensor = all.clone();
-            sensor.lay(&describe(table)?);
+            sensor.merge(&describe(table)?);
             sensors.push(sensor);
         }
         if sensors.is_empty() {
@@ -151,12 +151,12 @@ mod tests {
     fn layers() {
         let mut s = preset("sonar_ring_8").unwrap().remove(0);
         let lower = Description { r_max: Some(1.0), ..Description::default() };
-        s.lay(&lower);
+        s.merge(&lower);
         let sensor = s.complete(0).unwrap();
         assert_eq!((sensor.r_max, sensor.hit_range, sensor.no_echo_range), (1.0, 1.0, 1.0));
-        s.lay(&Description { x: Some(0.5), ..Description::default() });
+        s.merge(&Description { x: Some(0.5), ..Description::default() });
         assert_eq!((s.complete(0).unwrap().x, s.complete(0).unwrap().y), (0.5, 0.0));
-        s.lay(&Description { hit_range: Some(2.0), ..Description::default() });
+        s.merge(&Description { hit_range: Some(2.0), ..Description::default() });
         assert!(s.complete(0).unwrap_err().contains("hit_range 2 m must not exceed r_max 1 m"));
     }
 }

@@ -1,108 +1,22 @@
-//! Sensors: where a transducer sits on the robot, what it sees, and which of its answers are to be trusted.
+//! Sensors: where a transducer sits on the robot, what it sees, and which of its ranges are valid.
 //!
-//! A sensor is described by a preset, a log's header, a TOML file (`--sensor-file`) or `--set key=value`; the later beats
-//! the earlier. Lengths are metres, angles radians, counter-clockwise from the robot's forward axis.
+//! A sensor is described by a preset, by the log's header, by a TOML file (`--sensor-file`) and by `--set key=value`; a later source
+//! overrides an earlier one. Lengths are metres, angles radians, counter-clockwise from the robot's forward axis.
 
 mod description;
 mod file;
+mod limits;
+mod model;
 mod overrides;
+mod parameter;
 mod quantity;
+mod value;
 
 pub use description::Description;
 pub use file::{SensorFile, preset};
+pub use model::{AtMax, Kind, Sensor};
 pub use overrides::{Mounts, OVERRIDE_KEYS, Overrides};
+pub use parameter::ParameterDoc;
 pub use quantity::{angle, length};
 
-pub(crate) use crate::support::similar::similar;
-pub(crate) use description::{SensorKey, Value};
-
-use serde::{Deserialize, Serialize};
-
-/// What kind of beam a sensor has. It decides the defaults and the membership rule (a laser leaves no holes).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Kind {
-    /// A cone of sound: its echo comes from anywhere on the arc.
-    Sonar,
-    /// A beam of light: narrow, its off-axis angle counts as 0.
-    Laser,
-}
-
-/// What a range of just `r_max` is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum AtMax {
-    /// No echo: a sensor that hears nothing reports its maximum (default).
-    #[default]
-    NoEcho,
-    /// An echo: silence has a mark of its own.
-    Hit,
-}
-
-impl AtMax {
-    /// From its name, `hit` or `no_echo`.
-    pub(crate) fn parse(name: &str) -> Result<AtMax, String> {
-        match name {
-            "hit" => Ok(AtMax::Hit),
-            "no_echo" => Ok(AtMax::NoEcho),
-            _ => Err("takes \"hit\" or \"no_echo\"".into()),
-        }
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            AtMax::Hit => "hit",
-            AtMax::NoEcho => "no_echo",
-        }
-    }
-}
-
-/// Half a beam's width up to which a sensor is narrow, radians: 3°, and a hair for rounding.
-const NARROW: f64 = 3.0 * std::f64::consts::PI / 180.0 + 1e-12;
-
-/// One sensor, complete.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sensor {
-    /// Its name in the log.
-    pub id: String,
-    /// Sonar or laser.
-    pub kind: Kind,
-    /// Its place in the robot's frame: metres forward.
-    pub x: f64,
-    /// Its place in the robot's frame: metres to the left.
-    pub y: f64,
-    /// Its bearing in the robot's frame, radians.
-    pub axis: f64,
-    /// Half the beam's width β, radians, 0 to 60°.
-    pub half_width: f64,
-    /// Ranges below this are rejected, metres.
-    pub r_min: f64,
-    /// Ranges above this are no echo, metres; also Bayes' R.
-    pub r_max: f64,
-    /// What a range of just `r_max` is.
-    pub at_r_max: AtMax,
-    /// Echoes from beyond this (≤ `r_max`) are rejected, metres.
-    pub hit_range: f64,
-    /// How far a missing echo frees the cone, metres; 0: not at all.
-    pub no_echo_range: f64,
-    /// Half the depth of the arc ε, metres; `None`: by kind and resolution, see [`Sensor::epsilon`].
-    pub epsilon: Option<f64>,
-}
-
-impl Sensor {
-    /// Whether its beam is narrow: a laser's, or one of β ≤ 3°. Such a beam reaches the cells within half a cell of its axis too,
-    /// so that it leaves no holes, and its off-axis angle counts as 0.
-    pub fn narrow(&self) -> bool {
-        self.kind == Kind::Laser || self.half_width <= NARROW
-    }
-
-    /// ε in metres for cells of `resolution` metres: the sensor's own, else one cell for a laser and the larger of
-    /// one cell and 0.05 m for a sonar.
-    pub fn epsilon(&self, resolution: f64) -> f64 {
-        self.epsilon.unwrap_or(match self.kind {
-            Kind::Laser => resolution,
-            Kind::Sonar => resolution.max(0.05),
-        })
-    }
-}
+pub(crate) use value::{SensorKey, SensorValue};

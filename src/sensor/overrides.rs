@@ -1,8 +1,10 @@
-//! What `--set` changes in every sensor of a log. It beats the sensor file, the log's header and the preset.
+//! Sensor parameters of `--set`, for every sensor of a log. They override the sensor file, the log's header and the preset.
 
-use super::description::check_one;
-use super::{AtMax, Description, angle, length};
-use crate::method::settings::Key;
+use super::description::Description;
+use super::limits::check_limit;
+use super::model::AtMax;
+use super::parameter::ParameterDoc;
+use super::quantity::{angle, length};
 use crate::{Error, Result};
 
 /// Where sensors sit.
@@ -40,32 +42,43 @@ pub struct Overrides {
     pub mounts: Option<Mounts>,
 }
 
-const fn key(name: &'static str, values: &'static str, default: &'static str, about: &'static str) -> Key {
-    Key { name, values, default, about }
-}
-
 /// The keys that [`Overrides::set`] takes, for help and errors.
-pub const OVERRIDE_KEYS: &[Key] = &[
-    key("beta", "0..60deg", "the sensor's", "half the beam's width"),
-    key("r_min", "length, 0 or more", "the sensor's", "ranges below this are rejected"),
-    key("r_max", "length, above 0", "the sensor's", "ranges above this are no echo"),
-    key("at_r_max", "no_echo|hit", "the sensor's", "what a range of just r_max is"),
-    key("hit_range", "length, above 0, up to r_max", "the sensor's", "echoes from beyond this are rejected"),
-    key("no_echo_range", "length, 0 to r_max", "the sensor's", "how far a missing echo frees the cone; 0: not at all"),
-    key("epsilon", "length, above 0", "by kind and resolution", "half the depth of the arc"),
-    key(
+pub const OVERRIDE_KEYS: &[ParameterDoc] = &[
+    ParameterDoc::new("beta", "0..60deg", "the sensor's", "half the beam's width"),
+    ParameterDoc::new("r_min", "length, 0 or more", "the sensor's", "ranges below this are rejected"),
+    ParameterDoc::new("r_max", "length, above 0", "the sensor's", "ranges above this are no echo"),
+    ParameterDoc::new("at_r_max", "no_echo|hit", "the sensor's", "what a range of just r_max is"),
+    ParameterDoc::new(
+        "hit_range",
+        "length, above 0, up to r_max",
+        "the sensor's",
+        "echoes from beyond this are rejected",
+    ),
+    ParameterDoc::new(
+        "no_echo_range",
+        "length, 0 to r_max",
+        "the sensor's",
+        "how far a missing echo frees the cone; 0: not at all",
+    ),
+    ParameterDoc::new("epsilon", "length, above 0", "by kind and resolution", "half the depth of the arc"),
+    ParameterDoc::new(
         "fov",
         "angle, above 0, up to 360deg",
         "the log's",
         "lasers of CARMEN logs and the like: angle from the first beam to the last",
     ),
-    key(
+    ParameterDoc::new(
         "first_beam",
         "-360..360deg",
         "the log's; -fov/2 with fov",
         "such lasers: bearing of the first beam from the axis",
     ),
-    key("mounts", "preset|none", "preset", "none: every sensor sits at the robot's centre, with its own axis"),
+    ParameterDoc::new(
+        "mounts",
+        "preset|none",
+        "preset",
+        "none: every sensor sits at the robot's centre, with its own axis",
+    ),
 ];
 
 impl Overrides {
@@ -101,7 +114,7 @@ impl Overrides {
         let wrong = |what: String| Error::Usage(format!("--set {name}={value}: {name} {what}"));
         let number =
             if matches!(name, "beta" | "fov" | "first_beam") { angle(value) } else { length(value) }.map_err(wrong)?;
-        check_one(name, number).map_err(wrong)?;
+        check_limit(name, number).map_err(wrong)?;
         *slot = Some(number);
         Ok(true)
     }
@@ -111,7 +124,7 @@ impl Overrides {
         *self == Overrides::default()
     }
 
-    /// The same as a description, to be laid over a sensor's.
+    /// The overrides as a description, to be merged into a sensor's.
     pub(crate) fn description(&self) -> Description {
         Description {
             half_width: self.beta,

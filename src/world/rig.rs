@@ -126,7 +126,7 @@ impl Rig {
             }
             _ => {
                 let Some(n) = sonars else {
-                    let hint = crate::sensor::similar(name, &RIGS);
+                    let hint = crate::support::similar::similar(name, &RIGS);
                     return Err(Error::Usage(format!(
                         "there is no rig {name:?}{hint}; ringN is a ring of 1 to {MOST}"
                     )));
@@ -278,7 +278,7 @@ fn laid(s: &Sensor, upper: &Description) -> std::result::Result<Sensor, String> 
         no_echo_range: Some(s.no_echo_range),
         ..Description::default()
     };
-    d.lay(upper);
+    d.merge(upper);
     d.complete(0)
 }
 

@@ -1,7 +1,8 @@
 //! Reads a world's TOML with the line of every key and value, so that an error can say where and what to do.
 
 use crate::geometry::plane::Point;
-use crate::sensor::{Value, angle, length, similar};
+use crate::sensor::{SensorValue as Value, angle, length};
+use crate::support::similar::similar;
 use crate::{Error, Result};
 use std::ops::Range;
 use std::path::Path;

@@ -6,7 +6,7 @@ use echogrid::binning::wedge;
 use echogrid::feature::{Case, Fan, Origin, Part, Routine, Update};
 use echogrid::geometry::plane::Point;
 use echogrid::grid::GridSpec;
-use echogrid::log::reading::{Outcome, Pose, Reading, Record, judge};
+use echogrid::log::reading::{Outcome, Pose, Reading, Record, classify};
 use echogrid::log::{Log, Options};
 use echogrid::pipeline::mapper::Item;
 use echogrid::sensor::{AtMax, Kind, Sensor};
@@ -272,7 +272,7 @@ pub fn real(name: &str, resolution: f64, literal: bool) -> Option<Scene> {
     }
     let log = Log::open(&path, &options).unwrap();
     let sensors = log.header().sensors.clone();
-    let judged = log.records().unwrap().map(|r| r.unwrap()).map(|r| judge(r, &sensors[r.sensor as usize]));
+    let judged = log.records().unwrap().map(|r| r.unwrap()).map(|r| classify(r, &sensors[r.sensor as usize]));
     let readings: Vec<Reading> = judged.filter_map(Result::ok).collect();
     let title = format!("{name} at {resolution} m{}", if literal { ", literal" } else { "" }).replace('/', "-");
     Some(scene(&title, around(&sensors, &readings, resolution), sensors, readings))
@@ -297,7 +297,7 @@ pub fn real_lasers(step: u64) -> Option<Scene> {
     let records: Vec<Record> = log.records().unwrap().map(|r| r.unwrap()).filter(|r| r.scan % step == 0).collect();
     let scans = records.chunk_by(|a, b| a.scan == b.scan);
     let beams = scans.flat_map(|scan| scan.iter().copied().zip(wedge::edges(scan, &sensors)));
-    let used = |(r, edges): (Record, Edges)| Some((judge(r, &sensors[r.sensor as usize]).ok()?, Some(edges)));
+    let used = |(r, edges): (Record, Edges)| Some((classify(r, &sensors[r.sensor as usize]).ok()?, Some(edges)));
     let items: Vec<Item> = beams.filter_map(used).collect();
     assert!(items.len() > 1000);
     let readings: Vec<Reading> = items.iter().map(|i| i.0).collect();

@@ -1,8 +1,9 @@
 //! A small, deliberately lopsided map that every output test writes.
 
 use echogrid::grid::{Data, GridSpec, Layer, Map, Scale};
+use echogrid::log::BadLines;
 use echogrid::log::reading::Counts;
-use echogrid::output::{BadLines, Folder, LogInfo, Report, RunInfo, parameters, write_map};
+use echogrid::output::{Folder, LogInfo, Report, RunInfo, parameters, write_map};
 use std::path::Path;
 
 /// The only occupied cell: left of the middle and near the top, so that no flip goes unseen.

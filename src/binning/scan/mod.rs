@@ -18,7 +18,7 @@ pub use selection::Selection;
 pub use snap::{Snapped, micrometres, snap};
 pub use store::Store;
 
-use crate::log::reading::{Pose, Record, Unused, judge};
+use crate::log::reading::{Pose, Record, Unused, classify};
 use crate::sensor::Sensor;
 use crate::{Error, Result};
 
@@ -69,7 +69,7 @@ impl<'a, I: Iterator<Item = Result<Record>>> Scans<'a, I> {
 
     /// Adds a record to a scan.
     fn add(&mut self, scan: &mut Scan, record: Record) -> Result<()> {
-        let range = match judge(record, &self.sensors[record.sensor as usize]) {
+        let range = match classify(record, &self.sensors[record.sensor as usize]) {
             Ok(reading) => {
                 self.left -= 1;
                 scan.used += 1;

@@ -1,13 +1,13 @@
 //! How the beams of a laser lie whose messages don't say it (`FLASER`, `RLASER`, `LASER_READING`, `LASER1`): by the log's parameters, or by
 //! their number.
 
-use super::message::Layout;
-use crate::log::format::Beams;
+use super::message::LaserLayout;
+use crate::log::mounting::Beams;
 use std::f64::consts::PI;
 
 /// What the log's `PARAM` lines say of the front laser and of the rear one.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Parameters {
+pub(super) struct LaserParameters {
     /// The maximum range, metres.
     pub cap: Option<f64>,
     /// The field of view and the resolution, radians.
@@ -19,7 +19,7 @@ pub(super) struct Parameters {
 
 /// Lasers by their number of beams: that, degrees from beam to beam, bearing of the first in degrees. The first six are SICK's as CARMEN's
 /// own reader lays them; then a SICK S300, Hokuyo's URG and UTM, straight ahead.
-const KNOWN: [(u32, f64, f64); 13] = [
+const KNOWN_LASERS: [(u32, f64, f64); 13] = [
     (180, 1.0, -90.0),
     (181, 1.0, -90.0),
     (360, 0.5, -90.0),
@@ -35,9 +35,9 @@ const KNOWN: [(u32, f64, f64); 13] = [
     (1081, 0.25, -135.0),
 ];
 
-impl Parameters {
+impl LaserParameters {
     /// Takes a `PARAM` line; [0]: the front laser, [1]: the rear one.
-    pub fn read(all: &mut [Parameters; 2], line: &str) {
+    pub fn read(all: &mut [LaserParameters; 2], line: &str) {
         let mut fields = line.split_ascii_whitespace();
         if fields.next() != Some("PARAM") {
             return;
@@ -82,13 +82,13 @@ impl Parameters {
 }
 
 /// A layout's beams, and in words where that comes from.
-pub(super) fn lay(layout: &Layout, parameters: &Parameters) -> (Beams, String) {
+pub(super) fn resolve_beams(layout: &LaserLayout, parameters: &LaserParameters) -> (Beams, String) {
     let count = layout.count;
     if let Some((first, step)) = layout.beams {
         return (Beams { count, first, step }, "its messages".into());
     }
     let said = parameters.step(count);
-    let known = KNOWN.iter().find(|k| k.0 == count);
+    let known = KNOWN_LASERS.iter().find(|k| k.0 == count);
     let contradiction = match said {
         Err(()) => "; its PARAM laser_…_fov or laser_…_resolution doesn't fit that number",
         _ => "",
@@ -124,10 +124,10 @@ mod tests {
     use crate::log::carmen::tag::Tag;
 
     fn beams(count: u32, lines: &[&str]) -> (f64, f64) {
-        let mut all = [Parameters::default(); 2];
-        lines.iter().for_each(|line| Parameters::read(&mut all, line));
+        let mut all = [LaserParameters::default(); 2];
+        lines.iter().for_each(|line| LaserParameters::read(&mut all, line));
         let tag = Tag::of("FLASER").unwrap();
-        let (beams, _) = lay(&Layout { tag, count, beams: None, cap: None, posed: true }, &all[0]);
+        let (beams, _) = resolve_beams(&LaserLayout { tag, count, beams: None, cap: None, posed: true }, &all[0]);
         let round = |v: f64| (v.to_degrees() * 1e4).round() / 1e4;
         (round(beams.first), round(beams.step))
     }

@@ -1,12 +1,12 @@
 //! One line of a CARMEN log: which laser, how its beams lie, the ranges and the poses.
 
 use super::tag::{Family, Tag};
-use crate::log::format::{check_pose, number, quote};
 use crate::log::reading::Pose;
+use crate::log::values::{check_pose, parse_number, quote};
 
 /// How a laser's beams lie, as far as its messages say. Each layout is a sensor of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Layout {
+pub(super) struct LaserLayout {
     /// The message.
     pub tag: Tag,
     /// Beams a scan.
@@ -21,29 +21,29 @@ pub(super) struct Layout {
 
 /// Where a scan was taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Place {
+pub(super) enum ScanPose {
     /// The laser's pose and the robot's.
-    Both(Pose, Pose),
+    LaserAndRobot(Pose, Pose),
     /// One pose, and the odometry's heading: `FLASER`, `RLASER`, `LASER_READING`.
-    One(Pose, Option<f64>),
-    /// The odometry messages know it.
-    Odometry,
+    LaserOnly(Pose, Option<f64>),
+    /// The odometry messages give it.
+    FromOdometry,
 }
 
 /// A laser message, but for its ranges.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Message {
-    pub layout: Layout,
-    pub place: Place,
+pub(super) struct LaserMessage {
+    pub layout: LaserLayout,
+    pub place: ScanPose,
     /// Seconds; `None`: it has no time stamp.
     pub t: Option<f64>,
 }
 
 /// What a line is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Line<'a> {
+pub(super) enum CarmenLine<'a> {
     /// A laser's message.
-    Laser(Message),
+    Laser(LaserMessage),
     /// A message with ranges that are not read, by its name.
     Unread(&'a str),
     /// Anything else.
@@ -51,21 +51,21 @@ pub(super) enum Line<'a> {
 }
 
 /// Parses a line. The ranges go to `ranges`.
-pub(super) fn parse<'a>(line: &'a str, ranges: &mut Vec<f64>) -> Result<Line<'a>, String> {
-    let Some(word) = line.split_ascii_whitespace().next() else { return Ok(Line::Other) };
+pub(super) fn parse<'a>(line: &'a str, ranges: &mut Vec<f64>) -> Result<CarmenLine<'a>, String> {
+    let Some(word) = line.split_ascii_whitespace().next() else { return Ok(CarmenLine::Other) };
     let Some(tag) = Tag::of(word) else {
         let name = |b: u8| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_';
         return match word {
-            _ if word.starts_with('#') => Ok(Line::Other),
+            _ if word.starts_with('#') => Ok(CarmenLine::Other),
             _ if word.parse::<f64>().is_ok() => {
                 Err(format!("begins with the number {}: is a message broken in two?", quote(word)))
             }
             _ if !word.bytes().all(name) => Err(format!("{} is no CARMEN message", quote(word))),
-            _ if ["LASER", "SONAR", "VELODYNE"].iter().any(|part| word.contains(part)) => Ok(Line::Unread(word)),
-            _ => Ok(Line::Other),
+            _ if ["LASER", "SONAR", "VELODYNE"].iter().any(|part| word.contains(part)) => Ok(CarmenLine::Unread(word)),
+            _ => Ok(CarmenLine::Other),
         };
     };
-    let fields = Fields { tag, all: line.split_ascii_whitespace().collect() };
+    let fields = MessageFields { tag, all: line.split_ascii_whitespace().collect() };
     let message = match tag.family {
         Family::Flat => fields.flat(ranges)?,
         Family::Reading => fields.reading(ranges)?,
@@ -80,27 +80,27 @@ pub(super) fn parse<'a>(line: &'a str, ranges: &mut Vec<f64>) -> Result<Line<'a>
         return Err(format!("the time stamp is {t}"));
     }
     match &message.place {
-        Place::Both(laser, robot) => {
+        ScanPose::LaserAndRobot(laser, robot) => {
             check_pose("the laser's", laser)?;
             check_pose("the robot's", robot)?;
         }
-        Place::One(laser, _) => check_pose("the laser's", laser)?,
-        Place::Odometry => {}
+        ScanPose::LaserOnly(laser, _) => check_pose("the laser's", laser)?,
+        ScanPose::FromOdometry => {}
     }
-    Ok(Line::Laser(message))
+    Ok(CarmenLine::Laser(message))
 }
 
 /// Beams go once around at most, radians, and a little more.
-const ALL_AROUND: f64 = 6.5;
+const MAX_SPAN: f64 = 6.5;
 
-struct Fields<'a> {
+struct MessageFields<'a> {
     tag: Tag,
     all: Vec<&'a str>,
 }
 
-impl Fields<'_> {
+impl MessageFields<'_> {
     fn at(&self, i: usize) -> Result<f64, String> {
-        number(i + 1, self.all.get(i).copied().unwrap_or_default())
+        parse_number(i + 1, self.all.get(i).copied().unwrap_or_default())
     }
 
     fn pose(&self, i: usize) -> Result<Pose, String> {
@@ -126,7 +126,7 @@ impl Fields<'_> {
     fn ranges(&self, first: usize, count: u32, ranges: &mut Vec<f64>) -> Result<(), String> {
         ranges.clear();
         for (i, field) in self.all.iter().enumerate().skip(first).take(count as usize) {
-            ranges.push(number(i + 1, field)?);
+            ranges.push(parse_number(i + 1, field)?);
         }
         Ok(())
     }
@@ -152,13 +152,13 @@ impl Fields<'_> {
                     "the host {field} is field {at}, not {place}: are there more than {count} ranges?"
                 ));
             }
-            number(at, field)?;
+            parse_number(at, field)?;
         }
         Ok(tail.len())
     }
 
     /// `FLASER n r… x y θ odom_x odom_y odom_θ t host t`; the oldest logs have no poses.
-    fn flat(&self, ranges: &mut Vec<f64>) -> Result<Message, String> {
+    fn flat(&self, ranges: &mut Vec<f64>) -> Result<LaserMessage, String> {
         let count = self.beams(1)?;
         let start = (count as usize).saturating_add(2);
         let host = self.all.get(start + 1).is_some_and(|f| f.parse::<f64>().is_err() && !f.contains(','));
@@ -166,36 +166,36 @@ impl Fields<'_> {
             return self.bare(2, None, ranges);
         }
         let tail = self.tail(start, 6, 7, count)?;
-        let layout = Layout { tag: self.tag, count, beams: None, cap: None, posed: true };
+        let layout = LaserLayout { tag: self.tag, count, beams: None, cap: None, posed: true };
         let t = if tail > 6 { Some(self.at(start + 6)?) } else { None };
         self.ranges(2, count, ranges)?;
-        Ok(Message { layout, place: Place::One(self.pose(start)?, Some(self.at(start + 5)?)), t })
+        Ok(LaserMessage { layout, place: ScanPose::LaserOnly(self.pose(start)?, Some(self.at(start + 5)?)), t })
     }
 
     /// `LASER_READING n r… x y θ t`, of GMapping's logs.
-    fn reading(&self, ranges: &mut Vec<f64>) -> Result<Message, String> {
+    fn reading(&self, ranges: &mut Vec<f64>) -> Result<LaserMessage, String> {
         let count = self.beams(1)?;
         let start = (count as usize).saturating_add(2);
         let tail = self.tail(start, 3, 4, count)?;
-        let layout = Layout { tag: self.tag, count, beams: None, cap: None, posed: true };
+        let layout = LaserLayout { tag: self.tag, count, beams: None, cap: None, posed: true };
         self.ranges(2, count, ranges)?;
         let t = if tail > 3 { Some(self.at(start + 3)?) } else { None };
-        Ok(Message { layout, place: Place::One(self.pose(start)?, None), t })
+        Ok(LaserMessage { layout, place: ScanPose::LaserOnly(self.pose(start)?, None), t })
     }
 
     /// `LASER1 n r… t host t`, without a pose.
-    fn bare(&self, first: usize, beams: Option<(f64, f64)>, ranges: &mut Vec<f64>) -> Result<Message, String> {
+    fn bare(&self, first: usize, beams: Option<(f64, f64)>, ranges: &mut Vec<f64>) -> Result<LaserMessage, String> {
         let count = self.beams(first - 1)?;
         let start = (count as usize).saturating_add(first);
         self.tail(start, 1, 1, count)?;
         self.ranges(first, count, ranges)?;
-        let layout = Layout { tag: self.tag, count, beams, cap: None, posed: false };
-        Ok(Message { layout, place: Place::Odometry, t: Some(self.at(start)?) })
+        let layout = LaserLayout { tag: self.tag, count, beams, cap: None, posed: false };
+        Ok(LaserMessage { layout, place: ScanPose::FromOdometry, t: Some(self.at(start)?) })
     }
 
     /// `ROBOTLASER1 type start fov step max accuracy mode n r… m remission… laser x y θ robot x y θ tv rv forward side turn t host t`
     /// and `RAWLASER1`, the same without what stands between the remissions and t. The number of beams is field `at`.
-    fn configured(&self, at: usize, ranges: &mut Vec<f64>) -> Result<Message, String> {
+    fn configured(&self, at: usize, ranges: &mut Vec<f64>) -> Result<LaserMessage, String> {
         let count = self.beams(at)?;
         let first = at + 1;
         let end = first.saturating_add(count as usize);
@@ -214,15 +214,19 @@ impl Fields<'_> {
         if !(start.is_finite() && step.is_finite() && step != 0.0) {
             return Err(format!("start angle {start} or resolution {step} is no angle"));
         }
-        if step.abs() * f64::from(count - 1) > ALL_AROUND || start.abs() > ALL_AROUND {
+        if step.abs() * f64::from(count - 1) > MAX_SPAN || start.abs() > MAX_SPAN {
             return Err(format!(
                 "{count} beams from {start} on, {step} apart, are more than once around: angles are in radians here"
             ));
         }
         let cap = Some(self.at(5)?).filter(|cap| *cap > 0.0);
-        let layout = Layout { tag: self.tag, count, beams: Some((start, step)), cap, posed: robot };
-        let place = if robot { Place::Both(self.pose(after)?, self.pose(after + 3)?) } else { Place::Odometry };
+        let layout = LaserLayout { tag: self.tag, count, beams: Some((start, step)), cap, posed: robot };
+        let place = if robot {
+            ScanPose::LaserAndRobot(self.pose(after)?, self.pose(after + 3)?)
+        } else {
+            ScanPose::FromOdometry
+        };
         self.ranges(first, count, ranges)?;
-        Ok(Message { layout, place, t: Some(self.at(after + between)?) })
+        Ok(LaserMessage { layout, place, t: Some(self.at(after + between)?) })
     }
 }

@@ -1,27 +1,27 @@
 //! The robot's pose for messages without one: from the odometry message before it in the log and the one after.
 
 use crate::Result;
-use crate::log::format::{check_pose, number};
 use crate::log::input::Input;
-use crate::log::lines::Lines;
+use crate::log::lines::LineReader;
 use crate::log::reading::Pose;
+use crate::log::values::{check_pose, parse_number};
 
 /// Odometry further apart in time than this is not interpolated, seconds.
-const GAP: f64 = 2.0;
+const MAX_GAP: f64 = 2.0;
 
 /// One message.
 #[derive(Debug, Clone, Copy)]
-struct Stamp {
+struct OdometrySample {
     line: u64,
     t: f64,
     pose: Pose,
 }
 
 /// A second way through the log, from odometry message to odometry message.
-pub(super) struct Odometry {
-    lines: Lines,
-    before: Option<Stamp>,
-    after: Option<Stamp>,
+pub(super) struct OdometryReader {
+    lines: LineReader,
+    before: Option<OdometrySample>,
+    after: Option<OdometrySample>,
 }
 
 /// The pose and the time of `ODOM x y θ tv rv a t host t`, `ODOM x y θ t` or `POSITION x y θ t`; `None`: another line.
@@ -31,7 +31,7 @@ pub(super) fn parse(line: &str) -> Option<std::result::Result<(Pose, f64), Strin
         return None;
     }
     let all: Vec<&str> = fields.collect();
-    let at = |i: usize| number(i + 2, all.get(i).copied().unwrap_or_default());
+    let at = |i: usize| parse_number(i + 2, all.get(i).copied().unwrap_or_default());
     let read = || {
         let pose = Pose { x: at(0)?, y: at(1)?, heading: at(2)? };
         check_pose("the robot's", &pose)?;
@@ -45,10 +45,10 @@ pub(super) fn parse(line: &str) -> Option<std::result::Result<(Pose, f64), Strin
     Some(read())
 }
 
-impl Odometry {
+impl OdometryReader {
     /// From the log's start.
-    pub fn open(input: &Input) -> Result<Odometry> {
-        let mut odometry = Odometry { lines: input.lines()?, before: None, after: None };
+    pub fn open(input: &Input) -> Result<OdometryReader> {
+        let mut odometry = OdometryReader { lines: input.lines()?, before: None, after: None };
         odometry.step();
         Ok(odometry)
     }
@@ -58,7 +58,7 @@ impl Odometry {
         self.after = None;
         while let Some(line) = self.lines.next() {
             if let Some(Ok((pose, t))) = line.ok().and_then(parse) {
-                self.after = Some(Stamp { line: self.lines.number(), t, pose });
+                self.after = Some(OdometrySample { line: self.lines.number(), t, pose });
                 return;
             }
         }
@@ -74,7 +74,7 @@ impl Odometry {
             (one, other) => return one.or(other).map(|stamp| stamp.pose),
         };
         let (since, until, gap) = (t - before.t, after.t - t, after.t - before.t);
-        if since >= 0.0 && until >= 0.0 && gap > 0.0 && gap <= GAP {
+        if since >= 0.0 && until >= 0.0 && gap > 0.0 && gap <= MAX_GAP {
             let part = since / gap;
             let (a, b) = (before.pose, after.pose);
             let turn = (b.heading - a.heading).sin().atan2((b.heading - a.heading).cos());

@@ -2,17 +2,17 @@
 //! the `FLASER` message before it, if that is of the same time, else with its own odometry's heading: about 180° apart it is the laser's, about
 //! equal it is the robot's. The majority decides.
 
-use super::message::{Message, Place};
+use super::message::{LaserMessage, ScanPose};
 use super::tag::{Family, Tag};
 use crate::log::reading::Pose;
 use std::f64::consts::PI;
 
 /// A front scan tells the robot's heading for so long, seconds.
-const RECENT: f64 = 0.5;
+const MAX_AGE: f64 = 0.5;
 
 /// The votes of a log's messages.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Rear {
+pub(super) struct RearHeading {
     /// The last `FLASER` message's time and heading.
     front: Option<(f64, f64)>,
     /// Messages whose heading is the laser's, the robot's, or near neither.
@@ -21,10 +21,10 @@ pub(super) struct Rear {
     unclear: u64,
 }
 
-impl Rear {
+impl RearHeading {
     /// Hears of a message.
-    pub fn look(&mut self, message: &Message) {
-        let Place::One(pose, odometry) = message.place else { return };
+    pub fn observe(&mut self, message: &LaserMessage) {
+        let ScanPose::LaserOnly(pose, odometry) = message.place else { return };
         if message.layout.tag.family != Family::Flat {
             return;
         }
@@ -32,7 +32,7 @@ impl Rear {
             self.front = message.t.map(|t| (t, pose.heading));
             return;
         }
-        let front = self.front.filter(|f| message.t.is_some_and(|t| (t - f.0).abs() <= RECENT)).map(|f| f.1);
+        let front = self.front.filter(|f| message.t.is_some_and(|t| (t - f.0).abs() <= MAX_AGE)).map(|f| f.1);
         let Some(robot) = front.or(odometry) else { return };
         match (pose.heading - robot).cos() {
             // Within 60° of one or the other.
@@ -48,15 +48,15 @@ impl Rear {
     }
 
     /// The laser's pose and the robot's, of a message that carries a pose. In the old forms the robot's place is the laser's.
-    pub fn poses(&self, tag: Tag, place: Place) -> (Pose, Pose) {
+    pub fn poses(&self, tag: Tag, place: ScanPose) -> (Pose, Pose) {
         match place {
-            Place::Both(laser, robot) => (laser, robot),
-            Place::One(pose, _) if tag.family == Family::Flat && tag.rear() => {
+            ScanPose::LaserAndRobot(laser, robot) => (laser, robot),
+            ScanPose::LaserOnly(pose, _) if tag.family == Family::Flat && tag.rear() => {
                 let turned = |by: f64| Pose { heading: pose.heading + by, ..pose };
                 if self.is_laser() { (pose, turned(-PI)) } else { (turned(PI), pose) }
             }
-            Place::One(pose, _) => (pose, pose),
-            Place::Odometry => Default::default(),
+            ScanPose::LaserOnly(pose, _) => (pose, pose),
+            ScanPose::FromOdometry => Default::default(),
         }
     }
 

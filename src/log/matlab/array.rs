@@ -1,6 +1,6 @@
 //! The arrays of a version 5 `.mat` file: those that a log is made of, every size checked before it is trusted.
 
-use super::bytes::{Budget, Bytes, words};
+use super::element::{Budget, COMPRESSED, ElementReader, MAX_BYTES, ReadResult, words};
 use flate2::read::ZlibDecoder;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -44,30 +44,22 @@ pub(super) struct Variables {
     pub names: Vec<String>,
 }
 
-/// What was read, or what is wrong with it.
-pub(super) type Read_<T> = Result<T, String>;
-
-const HEADER: usize = 128;
-/// What a file may come to in memory, bytes: packed, unpacked, and as numbers.
-pub(super) const LARGEST: u64 = 1 << 29;
+const HEADER_BYTES: usize = 128;
 /// So much of a packed variable tells what it is.
-const GLANCE: u64 = 4096;
+const NAME_BYTES: u64 = 4096;
 /// What an array takes besides its numbers, bytes.
 const ARRAY: u64 = 64;
 /// Cells in cells, structs in structs.
-const DEEPEST: usize = 8;
+const MAX_DEPTH: usize = 8;
 
 const INT8: u32 = 1;
 const INT32: u32 = 5;
 const UINT32: u32 = 6;
 const MATRIX: u32 = 14;
-/// Data type of a packed element.
-pub(super) const COMPRESSED: u32 = 15;
-
 /// Reads every variable; one that can't be read is told by what it is. The error doesn't name the file.
-pub(super) fn read_all(bytes: &[u8]) -> Read_<Vec<(String, Array)>> {
+pub(super) fn read_all(bytes: &[u8]) -> ReadResult<Vec<(String, Array)>> {
     let mut all = Vec::new();
-    let mut budget = Budget(LARGEST);
+    let mut budget = Budget(MAX_BYTES);
     budget.take(bytes.len() as u64)?;
     walk(bytes, |name, kind, body| {
         // What a variable that is too large or damaged has taken is given back with it.
@@ -86,9 +78,9 @@ pub(super) fn read_all(bytes: &[u8]) -> Read_<Vec<(String, Array)>> {
 }
 
 /// Reads the variables of these names; the error doesn't name the file.
-pub(super) fn read(bytes: &[u8], wanted: &[&str]) -> Read_<Variables> {
+pub(super) fn read(bytes: &[u8], wanted: &[&str]) -> ReadResult<Variables> {
     let mut found = Variables::default();
-    let mut budget = Budget(LARGEST);
+    let mut budget = Budget(MAX_BYTES);
     budget.take(bytes.len() as u64)?;
     walk(bytes, |name, kind, body| {
         if wanted.contains(&name.as_str()) {
@@ -102,22 +94,22 @@ pub(super) fn read(bytes: &[u8], wanted: &[&str]) -> Read_<Variables> {
 }
 
 /// Shows each variable: its name, its element's type and bytes.
-fn walk(bytes: &[u8], mut each: impl FnMut(String, u32, &[u8]) -> Read_<()>) -> Read_<()> {
-    match bytes.get(124..HEADER) {
-        None => return Err(format!("ends after {} bytes of its header of {HEADER}", bytes.len())),
+fn walk(bytes: &[u8], mut each: impl FnMut(String, u32, &[u8]) -> ReadResult<()>) -> ReadResult<()> {
+    match bytes.get(124..HEADER_BYTES) {
+        None => return Err(format!("ends after {} bytes of its header of {HEADER_BYTES}", bytes.len())),
         Some([_, _, b'M', b'I']) => {
             return Err("was written on a machine of the other byte order: load it in MATLAB and save it anew".into());
         }
         Some(_) => {}
     }
-    let mut rest = Bytes { all: bytes, at: HEADER };
+    let mut rest = ElementReader { all: bytes, at: HEADER_BYTES };
     while !rest.ended() {
         let at = rest.at;
         let inside = |what: String| format!("byte {at}: {what}");
         let (kind, body) = rest.element().map_err(inside)?;
         let name = match kind {
-            COMPRESSED => glance(body),
-            MATRIX => Head::of(&mut Bytes { all: body, at: 0 }).map(|head| head.name),
+            COMPRESSED => packed_name(body),
+            MATRIX => ArrayHeader::of(&mut ElementReader { all: body, at: 0 }).map(|head| head.name),
             _ => continue,
         };
         // What is wrong with another variable is none of ours.
@@ -128,29 +120,29 @@ fn walk(bytes: &[u8], mut each: impl FnMut(String, u32, &[u8]) -> Read_<()>) -> 
 }
 
 /// A variable's array, packed or not.
-fn variable(kind: u32, body: &[u8], budget: &mut Budget) -> Read_<Array> {
+fn variable(kind: u32, body: &[u8], budget: &mut Budget) -> ReadResult<Array> {
     if kind != COMPRESSED {
         return array(body, budget);
     }
     let unpacked = unpack(body, budget)?;
-    let (_, body) = Bytes { all: &unpacked, at: 0 }.element()?;
+    let (_, body) = ElementReader { all: &unpacked, at: 0 }.element()?;
     array(body, budget)
 }
 
 /// The name of a packed variable.
-fn glance(packed: &[u8]) -> Read_<String> {
+fn packed_name(packed: &[u8]) -> ReadResult<String> {
     let mut first = Vec::new();
     // A stream that is longer, or damaged later on, has told enough by then.
-    let _ = ZlibDecoder::new(packed).take(GLANCE).read_to_end(&mut first);
-    let mut bytes = Bytes { all: &first, at: 0 };
+    let _ = ZlibDecoder::new(packed).take(NAME_BYTES).read_to_end(&mut first);
+    let mut bytes = ElementReader { all: &first, at: 0 };
     if bytes.word()? != MATRIX {
         return Err("no array".into());
     }
     bytes.word()?;
-    Ok(Head::of(&mut bytes)?.name)
+    Ok(ArrayHeader::of(&mut bytes)?.name)
 }
 
-fn unpack(packed: &[u8], budget: &mut Budget) -> Read_<Vec<u8>> {
+fn unpack(packed: &[u8], budget: &mut Budget) -> ReadResult<Vec<u8>> {
     let mut unpacked = Vec::new();
     let read = ZlibDecoder::new(packed).take(budget.0 + 1).read_to_end(&mut unpacked);
     read.map_err(|e| format!("is packed, and damaged: {e}"))?;
@@ -158,50 +150,50 @@ fn unpack(packed: &[u8], budget: &mut Budget) -> Read_<Vec<u8>> {
     Ok(unpacked)
 }
 
-fn array(body: &[u8], budget: &mut Budget) -> Read_<Array> {
-    let mut body = Bytes { all: body, at: 0 };
-    Head::of(&mut body)?.array(&mut body, 0, budget)
+fn array(body: &[u8], budget: &mut Budget) -> ReadResult<Array> {
+    let mut body = ElementReader { all: body, at: 0 };
+    ArrayHeader::of(&mut body)?.array(&mut body, 0, budget)
 }
 
 /// What an array says of itself before its values.
-struct Head {
+struct ArrayHeader {
     class: u32,
     complex: bool,
     sizes: Vec<u32>,
     name: String,
 }
 
-impl Head {
-    fn of(body: &mut Bytes) -> Read_<Head> {
+impl ArrayHeader {
+    fn of(body: &mut ElementReader) -> ReadResult<ArrayHeader> {
         let flags = words(body.expect(UINT32, "flags")?);
         let flags = *flags.first().ok_or("an array without flags")?;
         let sizes = words(body.expect(INT32, "dimensions")?);
         let name = String::from_utf8_lossy(body.expect(INT8, "name")?).into_owned();
-        Ok(Head { class: flags & 255, complex: flags & 1 << 11 != 0, sizes, name })
+        Ok(ArrayHeader { class: flags & 255, complex: flags & 1 << 11 != 0, sizes, name })
     }
 
     /// How many elements it has.
-    fn count(&self) -> Read_<usize> {
+    fn count(&self) -> ReadResult<usize> {
         let product = self.sizes.iter().try_fold(1usize, |n, s| n.checked_mul(*s as usize));
         product.ok_or_else(|| format!("dimensions {:?} are too large", self.sizes))
     }
 
-    fn array(&self, body: &mut Bytes, depth: usize, budget: &mut Budget) -> Read_<Array> {
-        if depth > DEEPEST {
+    fn array(&self, body: &mut ElementReader, depth: usize, budget: &mut Budget) -> ReadResult<Array> {
+        if depth > MAX_DEPTH {
             return Err("cells and structs are nested too deep".into());
         }
         let count = self.count()?;
-        let inner = |body: &mut Bytes, budget: &mut Budget| -> Read_<Array> {
+        let inner = |body: &mut ElementReader, budget: &mut Budget| -> ReadResult<Array> {
             budget.take(ARRAY)?;
             let part = body.expect(MATRIX, "element")?;
             if part.is_empty() {
                 return Ok(Array::Numbers { rows: 0, values: Vec::new() });
             }
-            let mut part = Bytes { all: part, at: 0 };
-            Head::of(&mut part)?.array(&mut part, depth + 1, budget)
+            let mut part = ElementReader { all: part, at: 0 };
+            ArrayHeader::of(&mut part)?.array(&mut part, depth + 1, budget)
         };
         match self.class {
-            1 => (0..count).map(|_| inner(body, budget)).collect::<Read_<_>>().map(Array::Cells),
+            1 => (0..count).map(|_| inner(body, budget)).collect::<ReadResult<_>>().map(Array::Cells),
             2 => {
                 let length = words(body.expect(INT32, "field name length")?);
                 let length = length.first().map_or(0, |l| *l as usize);
@@ -250,7 +242,7 @@ impl Head {
 }
 
 /// Numbers of any type as f64: MATLAB stores them in the smallest that holds them.
-fn numbers(kind: u32, part: &[u8], budget: &mut Budget) -> Read_<Vec<f64>> {
+fn numbers(kind: u32, part: &[u8], budget: &mut Budget) -> ReadResult<Vec<f64>> {
     macro_rules! all {
         ($t:ty) => {{
             budget.take((part.len() / size_of::<$t>() * size_of::<f64>()) as u64)?;

@@ -1,9 +1,10 @@
 //! Which variables of a MATLAB or Octave file are what: as `--fields` says it, or as their names and sizes plainly tell.
 
-use super::array::{Array, Read_};
-use crate::log::format::quote;
-use crate::log::table::{ColumnRole, scale};
-use crate::sensor::similar;
+use super::array::Array;
+use super::element::ReadResult;
+use crate::log::table::columns::{ColumnRole, scale};
+use crate::log::values::quote;
+use crate::support::similar::similar;
 
 /// What `--fields` names, and what its numbers are for units.
 pub(super) const KEYS: [(&str, Option<ColumnRole>); 14] = [
@@ -57,7 +58,7 @@ pub(super) struct Field {
 }
 
 /// Parses the text of `--fields`.
-pub(super) fn parse(text: &str) -> Read_<Vec<Field>> {
+pub(super) fn parse(text: &str) -> ReadResult<Vec<Field>> {
     let mut fields: Vec<Field> = Vec::new();
     let mut depth = 0i32;
     let items = text.split(|c| {
@@ -108,7 +109,7 @@ pub(super) fn parse(text: &str) -> Read_<Vec<Field>> {
 }
 
 /// The variable that a path means.
-pub(super) fn resolve(variables: &[(String, Array)], path: &str) -> Read_<Array> {
+pub(super) fn resolve(variables: &[(String, Array)], path: &str) -> ReadResult<Array> {
     let (names, index) = match path.split_once('(') {
         Some((names, index)) => (names, Some(index.trim_end_matches(')'))),
         None => (path, None),

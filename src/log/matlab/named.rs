@@ -1,12 +1,14 @@
 //! Logs in MATLAB's and Octave's files whose variables are named by `--fields`, or plainly named by themselves.
 
 use super::array::Array;
-use super::plot::Plot;
-use super::{HALF_WIDTH, fields};
-use crate::log::format::{Items, Mounted, Scans, Source, check_pose};
+use super::fields;
+use super::scan_data::{HALF_WIDTH, ScanData};
+use crate::log::format::{RecordQueue, ScanReader, Source};
 use crate::log::input::Input;
-use crate::log::text::Scan;
-use crate::log::{BadLine, Problem};
+use crate::log::mounting::MountedSensor;
+use crate::log::problem::{BadLine, Problem};
+use crate::log::scan::ScanHeader;
+use crate::log::values::check_pose;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -34,7 +36,7 @@ pub(super) fn open(
             ));
         }
     };
-    let plot = Plot::of(variables, &named).map_err(|what| {
+    let data = ScanData::of(variables, &named).map_err(|what| {
         let how = if given.is_some() { String::new() } else { format!(" (--fields {line})") };
         Error::input(input.path(), format!("{what}{how}; it holds {}", fields::list(variables)))
     })?;
@@ -42,11 +44,11 @@ pub(super) fn open(
     let laser = Description {
         id: Some("laser".into()),
         kind: Some(kind),
-        half_width: (kind == Kind::Laser).then(|| plot.half_width().unwrap_or(HALF_WIDTH.to_radians())),
-        r_max: plot.r_max,
-        x: plot.mount.map(|mount| mount.x),
-        y: plot.mount.map(|mount| mount.y),
-        axis: plot.mount.map(|mount| mount.heading),
+        half_width: (kind == Kind::Laser).then(|| data.half_width().unwrap_or(HALF_WIDTH.to_radians())),
+        r_max: data.r_max,
+        x: data.mount.map(|mount| mount.x),
+        y: data.mount.map(|mount| mount.y),
+        axis: data.mount.map(|mount| mount.heading),
         ..Description::default()
     };
     let mut notes = Vec::new();
@@ -54,17 +56,17 @@ pub(super) fn open(
         notes.push(format!("its variables are read as --fields {line}"));
         notes.extend(note);
     }
-    Ok(Box::new(Named { input: input.clone(), plot: Arc::new(plot), sensors: vec![laser], notes }))
+    Ok(Box::new(NamedLog { input: input.clone(), data: Arc::new(data), sensors: vec![laser], notes }))
 }
 
-struct Named {
+struct NamedLog {
     input: Input,
-    plot: Arc<Plot>,
+    data: Arc<ScanData>,
     sensors: Vec<Description>,
     notes: Vec<String>,
 }
 
-impl Source for Named {
+impl Source for NamedLog {
     fn sensors(&self) -> &[Description] {
         &self.sensors
     }
@@ -81,27 +83,27 @@ impl Source for Named {
         vec![&self.input]
     }
 
-    fn scans(&self, sensors: Arc<[Mounted]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>> {
-        Ok(Box::new(Pass { plot: self.plot.clone(), next: 0, sensors, ignored }))
+    fn scans(&self, sensors: Arc<[MountedSensor]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn ScanReader>> {
+        Ok(Box::new(NamedReader { data: self.data.clone(), next: 0, sensors, ignored }))
     }
 }
 
-struct Pass {
-    plot: Arc<Plot>,
+struct NamedReader {
+    data: Arc<ScanData>,
     next: usize,
-    sensors: Arc<[Mounted]>,
+    sensors: Arc<[MountedSensor]>,
     ignored: Arc<AtomicU64>,
 }
 
-impl Scans for Pass {
-    fn fill(&mut self, items: &mut Items) -> bool {
-        let Some(robot) = self.plot.poses.get(self.next) else { return false };
+impl ScanReader for NamedReader {
+    fn fill(&mut self, items: &mut RecordQueue) -> bool {
+        let Some(robot) = self.data.poses.get(self.next) else { return false };
         let (number, line) = (self.next as u64, self.next as u64 + 1);
-        let t = self.plot.times.get(self.next).copied().unwrap_or(number as f64);
+        let t = self.data.times.get(self.next).copied().unwrap_or(number as f64);
         let read = match check_pose("the robot's", robot) {
             Err(what) => Err(what),
             Ok(()) if !t.is_finite() => Err(format!("t is {t}")),
-            Ok(()) => self.plot.scan(self.next),
+            Ok(()) => self.data.scan(self.next),
         };
         self.next += 1;
         let bad = |what: String| Err(Problem::Line(BadLine { line, what: format!("scan {line}: {what}") }));
@@ -115,7 +117,7 @@ impl Scans for Pass {
         if readings.is_empty() {
             self.ignored.fetch_add(1, Ordering::Relaxed);
         }
-        let scan = Scan { t, number, sensor: 0, robot: *robot, given: None, line };
+        let scan = ScanHeader { t, number, sensor: 0, robot: *robot, given: None, line };
         for (off, range, label) in readings {
             let label = match label {
                 None => None,

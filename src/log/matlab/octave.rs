@@ -1,13 +1,14 @@
 //! Octave's text files (`save -text`): each variable with lines `# name:` and `# type:` before its values.
 
-use super::array::{Array, LARGEST, Read_};
-use crate::log::text::real;
+use super::array::Array;
+use super::element::{MAX_BYTES, ReadResult};
+use crate::log::values::{parse_real, quote};
 
 /// Cells in cells, structs in structs.
-const DEEPEST: usize = 8;
+const MAX_DEPTH: usize = 8;
 
 /// Whether a text begins like one.
-pub(super) fn looks(text: &str) -> bool {
+pub(super) fn is_octave_text(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let name = lines.by_ref().take(4).any(|line| attribute(line).is_some_and(|(key, _)| key == "name"));
     name && lines.next().is_some_and(|line| attribute(line).is_some_and(|(key, _)| key == "type"))
@@ -20,8 +21,8 @@ fn attribute(line: &str) -> Option<(&str, &str)> {
 }
 
 /// Reads all variables.
-pub(super) fn read(text: &str) -> Read_<Vec<(String, Array)>> {
-    let mut lines = Lines { rest: text.lines(), number: 0, left: LARGEST / 8 };
+pub(super) fn read(text: &str) -> ReadResult<Vec<(String, Array)>> {
+    let mut lines = OctaveReader { rest: text.lines(), number: 0, left: MAX_BYTES / 8 };
     let mut found = Vec::new();
     while let Some(line) = lines.next() {
         if let Some(("name", name)) = attribute(line) {
@@ -32,14 +33,14 @@ pub(super) fn read(text: &str) -> Read_<Vec<(String, Array)>> {
     Ok(found)
 }
 
-struct Lines<'a> {
+struct OctaveReader<'a> {
     rest: std::str::Lines<'a>,
     number: u64,
     /// Numbers that may still be read.
     left: u64,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> OctaveReader<'a> {
     fn next(&mut self) -> Option<&'a str> {
         loop {
             self.number += 1;
@@ -54,32 +55,32 @@ impl<'a> Lines<'a> {
         self.rest.clone().find(|line| !line.trim().is_empty())
     }
 
-    fn need(&mut self) -> Read_<&'a str> {
+    fn need(&mut self) -> ReadResult<&'a str> {
         self.next().ok_or_else(|| "the file is cut off".to_string())
     }
 
     /// The value of an attribute that must come next.
-    fn expect(&mut self, key: &str) -> Read_<&'a str> {
+    fn expect(&mut self, key: &str) -> ReadResult<&'a str> {
         let line = self.need()?;
         match attribute(line) {
             Some((found, value)) if found == key => Ok(value),
-            _ => Err(format!("expected # {key}:, found {}", crate::log::format::quote(line))),
+            _ => Err(format!("expected # {key}:, found {}", quote(line))),
         }
     }
 
-    fn count(&mut self, key: &str) -> Read_<usize> {
+    fn count(&mut self, key: &str) -> ReadResult<usize> {
         let value = self.expect(key)?;
-        value.parse().map_err(|_| format!("# {key}: {} is no count", crate::log::format::quote(value)))
+        value.parse().map_err(|_| format!("# {key}: {} is no count", quote(value)))
     }
 
-    fn take(&mut self, numbers: usize) -> Read_<()> {
+    fn take(&mut self, numbers: usize) -> ReadResult<()> {
         self.left =
             self.left.checked_sub(numbers as u64).ok_or("is more than 512 MiB to read: save fewer scans in a file")?;
         Ok(())
     }
 
     /// Rows and columns, or a line of dimensions.
-    fn sizes(&mut self) -> Read_<(usize, usize)> {
+    fn sizes(&mut self) -> ReadResult<(usize, usize)> {
         let ndims = self.peek().and_then(attribute).is_some_and(|(key, _)| key == "ndims");
         if !ndims {
             return Ok((self.count("rows")?, self.count("columns")?));
@@ -88,25 +89,25 @@ impl<'a> Lines<'a> {
         let line = self.need()?;
         let sizes: Result<Vec<usize>, _> =
             line.trim_start_matches('#').split_ascii_whitespace().map(str::parse).collect();
-        let sizes = sizes.map_err(|_| format!("{} are no dimensions", crate::log::format::quote(line)))?;
+        let sizes = sizes.map_err(|_| format!("{} are no dimensions", quote(line)))?;
         let columns =
             sizes.iter().skip(1).try_fold(1usize, |n, s| n.checked_mul(*s)).ok_or("its dimensions are too large")?;
         Ok((sizes.first().copied().unwrap_or(0), columns))
     }
 
     /// So many numbers, over as many lines as they take.
-    fn numbers(&mut self, count: usize) -> Read_<Vec<f64>> {
+    fn numbers(&mut self, count: usize) -> ReadResult<Vec<f64>> {
         self.take(count)?;
         let mut values = Vec::new();
         while values.len() < count {
             let line = self.need()?;
             for field in line.split_ascii_whitespace() {
-                let value = real(field).or(match field {
+                let value = parse_real(field).or(match field {
                     "true" => Some(1.0),
                     "false" => Some(0.0),
                     _ => None,
                 });
-                values.push(value.ok_or_else(|| format!("{} is no number", crate::log::format::quote(field)))?);
+                values.push(value.ok_or_else(|| format!("{} is no number", quote(field)))?);
             }
         }
         match values.len() {
@@ -116,8 +117,8 @@ impl<'a> Lines<'a> {
     }
 
     /// What stands after `# name:`.
-    fn variable(&mut self, depth: usize) -> Read_<Array> {
-        if depth > DEEPEST {
+    fn variable(&mut self, depth: usize) -> ReadResult<Array> {
+        if depth > MAX_DEPTH {
             return Err("cells and structs are nested too deep".into());
         }
         let kind = self.expect("type")?.trim_start_matches("global ");
@@ -128,14 +129,17 @@ impl<'a> Lines<'a> {
             "cell" => {
                 let (rows, columns) = self.sizes()?;
                 let count = rows.checked_mul(columns).ok_or("its dimensions are too large")?;
-                (0..count).map(|_| self.inner(depth).map(|(_, value)| value)).collect::<Read_<_>>().map(Array::Cells)
+                (0..count)
+                    .map(|_| self.inner(depth).map(|(_, value)| value))
+                    .collect::<ReadResult<_>>()
+                    .map(Array::Cells)
             }
             "scalar struct" | "struct" => {
                 if self.peek().and_then(attribute).is_some_and(|(key, _)| key == "ndims") {
                     self.sizes()?;
                 }
                 let count = self.count("length")?;
-                (0..count).map(|_| self.inner(depth)).collect::<Read_<_>>().map(Array::Struct)
+                (0..count).map(|_| self.inner(depth)).collect::<ReadResult<_>>().map(Array::Struct)
             }
             "range" | "double_range" => {
                 self.need()?;
@@ -175,14 +179,14 @@ impl<'a> Lines<'a> {
     }
 
     /// A named part of a cell or struct.
-    fn inner(&mut self, depth: usize) -> Read_<(String, Array)> {
+    fn inner(&mut self, depth: usize) -> ReadResult<(String, Array)> {
         self.take(8)?;
         let name = self.expect("name")?.to_string();
         Ok((name, self.variable(depth + 1)?))
     }
 
     /// Passes over what is not read.
-    fn other(&mut self, what: &'static str) -> Read_<Array> {
+    fn other(&mut self, what: &'static str) -> ReadResult<Array> {
         while self.peek().is_some_and(|line| attribute(line).is_none_or(|(key, _)| key != "name")) {
             self.next();
         }

@@ -1,21 +1,23 @@
 //! Rows of a ROS topic as text: `rostopic echo -p` (CSV with a header `%time,field.…`), what bag converters write (the same names without
 //! `field.`), and `ros2 topic echo --csv` (no header). LaserScan and Range are read; they carry no robot's pose, which `--poses` brings.
 
-use super::format::{Format, Items, Mounted, Place, Probe, Source, lasers_only};
-use super::text::{Parse, Scan, TextLog, file_of, look};
+use super::format::{Format, LogPath, Probe, RecordQueue, Source};
+use super::mounting::MountedSensor;
+use super::opening::{lasers_only, require_file};
+use super::scan::ScanHeader;
+use super::text::{LineParser, TextLog, for_each_line};
+use super::values::{parse_real, quote};
 use crate::log::reading::Pose;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
-use row::{Body, cell};
+use row::{Body, TopicLayout, cell};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-pub(super) use row::Layout;
-
-mod row;
+pub(super) mod row;
 
 /// No log has more sensors; a damaged one might.
-const MOST_SENSORS: usize = 256;
+const MAX_SENSORS: usize = 256;
 
 /// The format.
 pub(crate) struct RosTopic;
@@ -25,31 +27,31 @@ impl Format for RosTopic {
         "rostopic"
     }
 
-    fn looks(&self) -> &'static str {
+    fn describe(&self) -> &'static str {
         "a ROS topic as CSV (rostopic echo -p, ros2 topic echo --csv: LaserScan or Range, with --poses)"
     }
 
-    fn claims(&self, probe: &Probe<'_>) -> bool {
-        matches!(probe, Probe::Text(text) if first_line(text).and_then(Layout::of).is_some())
+    fn sniff(&self, probe: &Probe<'_>) -> bool {
+        matches!(probe, Probe::Text(text) if first_line(text).and_then(TopicLayout::of).is_some())
     }
 
-    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
-        let input = file_of(place, "ROS topic")?;
+    fn open(&self, place: &LogPath, kind: Option<Kind>) -> Result<Box<dyn Source>> {
+        let input = require_file(place, "ROS topic")?;
         let fail = |what: &str| Error::input(input.path(), what);
         let mut layout = None;
-        let mut survey = Survey::default();
-        look(input, |line, _| {
+        let mut found = TopicSensors::default();
+        for_each_line(input, |line, _| {
             if line.trim().is_empty() {
                 return true;
             }
             match &layout {
                 None => {
-                    layout = Layout::of(line);
+                    layout = TopicLayout::of(line);
                     if let Some(layout) = layout.as_ref().filter(|layout| !layout.header) {
-                        survey.row(layout, line);
+                        found.row(layout, line);
                     }
                 }
-                Some(layout) => survey.row(layout, line),
+                Some(layout) => found.row(layout, line),
             }
             layout.is_some()
         })?;
@@ -63,17 +65,17 @@ impl Format for RosTopic {
             Body::Scan(..) | Body::OpenScan(..) => lasers_only(input, kind, "LaserScan")?,
             Body::Range(..) => {}
         }
-        if survey.sensors.is_empty() {
+        if found.sensors.is_empty() {
             return Err(fail("has no row with readings"));
         }
         if let Some(kind) = kind {
-            survey.sensors.retain(|(_, d)| d.kind == Some(kind));
-            if survey.sensors.is_empty() {
+            found.sensors.retain(|(_, d)| d.kind == Some(kind));
+            if found.sensors.is_empty() {
                 return Err(fail("holds no readings of this kind: leave out --sensor"));
             }
         }
         let beams = !matches!(layout.body, Body::Range(..));
-        let names: Vec<&str> = survey.sensors.iter().map(|(name, _)| name.as_str()).collect();
+        let names: Vec<&str> = found.sensors.iter().map(|(name, _)| name.as_str()).collect();
         let note = format!(
             "the file doesn't say where its sensors sit ({}): they are taken to be at the robot's centre, looking forward; a \
              sensor file says otherwise (--sensor-file)",
@@ -84,13 +86,13 @@ impl Format for RosTopic {
             beams,
             posed: false,
             notes: vec![note],
-            parse: Rows {
+            parser: TopicParser {
                 layout: Arc::new(layout),
-                frames: Arc::new((0..).zip(&survey.sensors).map(|(i, (name, _))| (name.clone(), i)).collect()),
+                frames: Arc::new((0..).zip(&found.sensors).map(|(i, (name, _))| (name.clone(), i)).collect()),
                 begun: false,
                 scan: 0,
             },
-            sensors: survey.sensors.into_iter().map(|(_, description)| description).collect(),
+            sensors: found.sensors.into_iter().map(|(_, description)| description).collect(),
         }))
     }
 }
@@ -105,7 +107,7 @@ fn split(line: &str) -> Vec<&str> {
 }
 
 /// The name of a row's frame.
-fn frame<'a>(layout: &Layout, cells: &[&'a str]) -> &'a str {
+fn frame<'a>(layout: &TopicLayout, cells: &[&'a str]) -> &'a str {
     match layout.frame.and_then(|i| cells.get(i)) {
         Some(name) if !name.is_empty() => name,
         _ => "sensor",
@@ -114,15 +116,15 @@ fn frame<'a>(layout: &Layout, cells: &[&'a str]) -> &'a str {
 
 /// The sensors, by their frames, as their first rows describe them.
 #[derive(Default)]
-struct Survey {
+struct TopicSensors {
     sensors: Vec<(String, Description)>,
 }
 
-impl Survey {
-    fn row(&mut self, layout: &Layout, line: &str) {
+impl TopicSensors {
+    fn row(&mut self, layout: &TopicLayout, line: &str) {
         let cells = split(line);
         let name = frame(layout, &cells);
-        if self.sensors.iter().any(|(known, _)| known == name) || self.sensors.len() >= MOST_SENSORS {
+        if self.sensors.iter().any(|(known, _)| known == name) || self.sensors.len() >= MAX_SENSORS {
             return;
         }
         if let Ok(description) = describe(layout, &cells, name) {
@@ -131,7 +133,7 @@ impl Survey {
     }
 }
 
-fn describe(layout: &Layout, cells: &[&str], name: &str) -> std::result::Result<Description, String> {
+fn describe(layout: &TopicLayout, cells: &[&str], name: &str) -> std::result::Result<Description, String> {
     let limits = |low: f64, high: f64| {
         let fine = low >= 0.0 && high > low && high < 1e6;
         (Some(low).filter(|low| fine && *low > 0.0), Some(high).filter(|_| fine))
@@ -170,7 +172,7 @@ fn angles(cells: &[&str], head: &[usize; 4]) -> std::result::Result<[f64; 4], St
 }
 
 /// The cells of a row that are its ranges.
-fn ranges<'a, 'b>(layout: &Layout, cells: &'b [&'a str]) -> std::result::Result<&'b [&'a str], String> {
+fn ranges<'a, 'b>(layout: &TopicLayout, cells: &'b [&'a str]) -> std::result::Result<&'b [&'a str], String> {
     match &layout.body {
         Body::Scan(_, range) => cells.get(range.clone()).ok_or_else(|| "ends before its last range".to_string()),
         Body::OpenScan([first, step, ..], from) => {
@@ -192,20 +194,20 @@ fn ranges<'a, 'b>(layout: &Layout, cells: &'b [&'a str]) -> std::result::Result<
 }
 
 #[derive(Clone)]
-struct Rows {
-    layout: Arc<Layout>,
+struct TopicParser {
+    layout: Arc<TopicLayout>,
     frames: Arc<HashMap<String, usize>>,
     begun: bool,
     scan: u64,
 }
 
-impl Parse for Rows {
-    fn line(
+impl LineParser for TopicParser {
+    fn parse_line(
         &mut self,
         line: &str,
         at: u64,
-        sensors: &[Mounted],
-        items: &mut Items,
+        sensors: &[MountedSensor],
+        items: &mut RecordQueue,
     ) -> std::result::Result<bool, String> {
         if line.trim().is_empty() {
             return Ok(true);
@@ -226,7 +228,7 @@ impl Parse for Rows {
             describe(&self.layout, &cells, name)?;
             return Ok(false);
         };
-        let scan = Scan { t, number: self.scan, sensor, robot: Pose::default(), given: None, line: at };
+        let scan = ScanHeader { t, number: self.scan, sensor, robot: Pose::default(), given: None, line: at };
         match &self.layout.body {
             Body::Scan(head, _) | Body::OpenScan(head, _) => {
                 let [mut first, mut step, ..] = angles(&cells, head)?;
@@ -235,8 +237,8 @@ impl Parse for Rows {
                     (first, step) = (beams.first, beams.step);
                 }
                 for (k, text) in ranges(&self.layout, &cells)?.iter().enumerate() {
-                    let range = super::text::real(text)
-                        .ok_or_else(|| format!("range {k} is {}, not a number", super::format::quote(text)))?;
+                    let range =
+                        parse_real(text).ok_or_else(|| format!("range {k} is {}, not a number", quote(text)))?;
                     scan.push(sensors, first + k as f64 * step, range, items);
                 }
             }

@@ -2,13 +2,13 @@
 //! none, from the order of the message's fields.
 
 use crate::log::reading::Pose;
-use crate::log::text::real;
 use crate::log::track::yaw;
+use crate::log::values::{parse_real, quote};
 use std::ops::Range;
 
 /// Where a row's time stands.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::log) enum Time {
+pub(crate) enum TimeColumns {
     /// One cell, in units of so many a second; 0 there: the second one, of the same unit.
     One(usize, Option<usize>, f64),
     /// Seconds and nanoseconds.
@@ -30,8 +30,8 @@ pub(super) enum Body {
 
 /// A topic's rows.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::log) struct Layout {
-    pub time: Time,
+pub(crate) struct TopicLayout {
+    pub time: TimeColumns,
     /// The frame's name.
     pub frame: Option<usize>,
     pub(super) body: Body,
@@ -48,17 +48,17 @@ fn plain(name: &str) -> String {
     name.to_ascii_lowercase().replace(['[', ']'], "")
 }
 
-impl Layout {
+impl TopicLayout {
     /// From the first line of a file; `None`: it is no such file.
-    pub fn of(line: &str) -> Option<Layout> {
+    pub fn of(line: &str) -> Option<TopicLayout> {
         let cells: Vec<&str> = line.split(',').collect();
         if cells.len() < 5 {
             return None;
         }
-        Layout::named(&cells).or_else(|| Layout::bare(&cells))
+        TopicLayout::named(&cells).or_else(|| TopicLayout::bare(&cells))
     }
 
-    fn named(cells: &[&str]) -> Option<Layout> {
+    fn named(cells: &[&str]) -> Option<TopicLayout> {
         let names: Vec<String> = cells.iter().map(|cell| plain(cell)).collect();
         let find = |name: &str| names.iter().position(|n| n == name);
         let end = |name: &str| names.iter().position(|n| n.ends_with(name));
@@ -78,26 +78,28 @@ impl Layout {
         let nanoseconds = |name: &str| end(name).zip(end(&name.replace("secs", "nsecs")));
         let two = nanoseconds("stamp.secs").or_else(|| end("stamp.sec").zip(end("stamp.nanosec")));
         let time = match (two, end("header.stamp"), receipt) {
-            (Some((s, ns)), ..) => Time::Two(s, ns),
-            (None, Some(stamp), receipt) => Time::One(stamp, receipt, 1e9),
+            (Some((s, ns)), ..) => TimeColumns::Two(s, ns),
+            (None, Some(stamp), receipt) => TimeColumns::One(stamp, receipt, 1e9),
             // A receipt in whole nanoseconds, or in seconds: bagpy's Time.
-            (None, None, Some(at)) => Time::One(at, None, if cells[at].trim().starts_with('%') { 1e9 } else { 1.0 }),
+            (None, None, Some(at)) => {
+                TimeColumns::One(at, None, if cells[at].trim().starts_with('%') { 1e9 } else { 1.0 })
+            }
             (None, None, None) => return None,
         };
-        Some(Layout { time, frame: end("header.frame_id"), body, header: true, width: Some(cells.len()) })
+        Some(TopicLayout { time, frame: end("header.frame_id"), body, header: true, width: Some(cells.len()) })
     }
 
     /// A row of `ros2 topic echo --csv`: seconds, nanoseconds, the frame's name, then the message's fields.
-    fn bare(cells: &[&str]) -> Option<Layout> {
-        let number = |i: usize| cells.get(i).and_then(|cell| real(cell));
+    fn bare(cells: &[&str]) -> Option<TopicLayout> {
+        let number = |i: usize| cells.get(i).and_then(|cell| parse_real(cell));
         let whole = |i: usize| number(i).is_some_and(|v| v >= 0.0 && v.fract() == 0.0);
         let unnamed = |i: usize| number(i).is_none();
         if !(whole(0) && whole(1) && number(1)? < 1e9 && unnamed(2)) {
             return None;
         }
         let numbers = |range: Range<usize>| range.into_iter().all(|i| number(i).is_some());
-        let time = Time::Two(0, 1);
-        let layout = |body, width| Some(Layout { time, frame: Some(2), body, header: false, width });
+        let time = TimeColumns::Two(0, 1);
+        let layout = |body, width| Some(TopicLayout { time, frame: Some(2), body, header: false, width });
         let unit = |i: usize| {
             let length: f64 = (i..i + 4).filter_map(number).map(|q| q * q).sum();
             (length - 1.0).abs() < 0.01
@@ -129,11 +131,11 @@ impl Layout {
     pub fn time(&self, cells: &[&str]) -> Result<f64, String> {
         let at = |i: usize| cell(cells, i, "the time");
         let t = match self.time {
-            Time::One(first, second, per) => match (at(first)?, second) {
+            TimeColumns::One(first, second, per) => match (at(first)?, second) {
                 (0.0, Some(second)) => at(second)? / per,
                 (t, _) => t / per,
             },
-            Time::Two(seconds, nanoseconds) => at(seconds)? + at(nanoseconds)? / 1e9,
+            TimeColumns::Two(seconds, nanoseconds) => at(seconds)? + at(nanoseconds)? / 1e9,
         };
         if t.is_finite() { Ok(t) } else { Err(format!("the time is {t}")) }
     }
@@ -169,5 +171,5 @@ fn scan_body(names: &[String], find: &dyn Fn(&str) -> Option<usize>) -> Option<B
 /// A number of a row.
 pub(super) fn cell(cells: &[&str], i: usize, what: &str) -> Result<f64, String> {
     let text = cells.get(i).copied().unwrap_or_default();
-    real(text).ok_or_else(|| format!("{what} (cell {}) is {}, not a number", i + 1, crate::log::format::quote(text)))
+    parse_real(text).ok_or_else(|| format!("{what} (cell {}) is {}, not a number", i + 1, quote(text)))
 }

@@ -1,10 +1,10 @@
 //! Two files whose rows belong together, walked side by side: rows meet by position, and by time stamp where a row is
 //! missing or damaged in one of them.
 
-use crate::log::Problem;
-use crate::log::format::number;
 use crate::log::input::Input;
-use crate::log::lines::Lines;
+use crate::log::lines::LineReader;
+use crate::log::problem::Problem;
+use crate::log::values::parse_number;
 use crate::{Error, Result};
 
 /// One row: its time stamp and, unless it is bad, its values.
@@ -15,9 +15,9 @@ pub(super) struct Row {
 }
 
 /// The rows of one file, with the one that comes next in sight.
-pub(super) struct Rows {
+pub(super) struct RowReader {
     input: Input,
-    lines: Lines,
+    lines: LineReader,
     pub name: String,
     columns: usize,
     now: Option<Row>,
@@ -26,11 +26,11 @@ pub(super) struct Rows {
     fatal: Option<Error>,
 }
 
-impl Rows {
+impl RowReader {
     /// The rows of `input`: a time stamp and so many columns.
-    pub fn new(input: &Input, columns: usize) -> Result<Rows> {
+    pub fn new(input: &Input, columns: usize) -> Result<RowReader> {
         let name = input.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Rows {
+        Ok(RowReader {
             input: input.clone(),
             lines: input.lines()?,
             name,
@@ -92,7 +92,7 @@ fn parse(text: &str, columns: usize) -> (f64, std::result::Result<Vec<f64>, Stri
     let mut t = f64::NAN;
     for field in text.split_ascii_whitespace() {
         found += 1;
-        match number(found, field) {
+        match parse_number(found, field) {
             Ok(value) if found == 1 => t = value,
             Ok(value) => values.push(value),
             Err(what) => wrong = wrong.or(Some(what)),
@@ -108,49 +108,49 @@ fn parse(text: &str, columns: usize) -> (f64, std::result::Result<Vec<f64>, Stri
 }
 
 /// What comes next of two files.
-pub(super) enum Meeting {
+pub(super) enum RowMatch {
     /// Nothing.
     End,
     /// A row that has no partner, by its line, and why.
-    Alone(u64, String),
+    Unmatched(u64, String),
     /// Two rows of one scan.
     Pair(Row, Row),
 }
 
 /// Steps on in two files. A missing row costs one bad line, not all that follow: where time stamps differ, it looks a row
 /// ahead for the place where they meet again.
-pub(super) fn meet(readings: &mut Rows, poses: &mut Rows) -> Meeting {
+pub(super) fn next_match(readings: &mut RowReader, poses: &mut RowReader) -> RowMatch {
     readings.begin();
     poses.begin();
     let t = |row: &Option<Row>| row.as_ref().map_or(f64::NAN, |r| r.t);
     let (reading, pose) = (t(&readings.now), t(&poses.now));
     let (next_reading, next_pose) = (t(&readings.next), t(&poses.next));
     let drop_reading = match (&readings.now, &poses.now) {
-        (None, None) => return Meeting::End,
+        (None, None) => return RowMatch::End,
         // Of two files that are being written, one was opened with more rows.
-        (None, _) | (_, None) if readings.input.grown() || poses.input.grown() => return Meeting::End,
+        (None, _) | (_, None) if readings.input.grown() || poses.input.grown() => return RowMatch::End,
         (Some(_), None) => true,
         (None, Some(_)) => false,
         _ if next_reading == pose && reading != pose => true,
         _ if next_pose == reading && reading != pose => false,
         _ if reading != pose && next_reading != next_pose && !reading.is_nan() && !pose.is_nan() => reading < pose,
         _ => {
-            let (Some(reading), Some(pose)) = (readings.take(), poses.take()) else { return Meeting::End };
+            let (Some(reading), Some(pose)) = (readings.take(), poses.take()) else { return RowMatch::End };
             if reading.t == pose.t || reading.values.is_err() || pose.values.is_err() {
-                return Meeting::Pair(reading, pose);
+                return RowMatch::Pair(reading, pose);
             }
             let what = format!(
                 "time stamps differ: {} ms in {}, {} ms in line {} of {}",
                 reading.t, readings.name, pose.t, pose.line, poses.name
             );
-            return Meeting::Alone(reading.line, what);
+            return RowMatch::Unmatched(reading.line, what);
         }
     };
     let (rows, other) = if drop_reading { (readings, &poses.name) } else { (poses, &readings.name) };
-    let Some(row) = rows.take() else { return Meeting::End };
+    let Some(row) = rows.take() else { return RowMatch::End };
     let what = match row.values {
         Err(what) => what,
         Ok(_) => format!("{other} has no row of this time stamp ({} ms)", row.t),
     };
-    Meeting::Alone(row.line, format!("{}: {what}", rows.name))
+    RowMatch::Unmatched(row.line, format!("{}: {what}", rows.name))
 }

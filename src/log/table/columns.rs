@@ -1,12 +1,12 @@
 //! What the columns of a table hold, as `--columns` says it: names with units, separated by commas.
 
-use crate::log::format::quote;
-use crate::sensor::similar;
+use crate::log::values::quote;
+use crate::support::similar::similar;
 use std::fmt;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::log) enum Role {
+pub(crate) enum ColumnRole {
     Skip,
     T,
     Scan,
@@ -26,41 +26,41 @@ pub(in crate::log) enum Role {
 }
 
 /// The names that `--columns` takes, the plain one of each first.
-const NAMES: &[(&str, Role)] = &[
-    ("t", Role::T),
-    ("time", Role::T),
-    ("x", Role::X),
-    ("y", Role::Y),
-    ("heading", Role::H),
-    ("theta", Role::H),
-    ("yaw", Role::H),
-    ("h", Role::H),
-    ("px", Role::Px),
-    ("py", Role::Py),
-    ("ph", Role::Ph),
-    ("range", Role::Range),
-    ("ranges", Role::Range),
-    ("z", Role::Range),
-    ("angle", Role::Angle),
-    ("angles", Role::Angle),
-    ("bearing", Role::Angle),
-    ("sensor", Role::Sensor),
-    ("scan", Role::Scan),
-    ("label", Role::Label),
-    ("-", Role::Skip),
-    ("_", Role::Skip),
+const NAMES: &[(&str, ColumnRole)] = &[
+    ("t", ColumnRole::T),
+    ("time", ColumnRole::T),
+    ("x", ColumnRole::X),
+    ("y", ColumnRole::Y),
+    ("heading", ColumnRole::H),
+    ("theta", ColumnRole::H),
+    ("yaw", ColumnRole::H),
+    ("h", ColumnRole::H),
+    ("px", ColumnRole::Px),
+    ("py", ColumnRole::Py),
+    ("ph", ColumnRole::Ph),
+    ("range", ColumnRole::Range),
+    ("ranges", ColumnRole::Range),
+    ("z", ColumnRole::Range),
+    ("angle", ColumnRole::Angle),
+    ("angles", ColumnRole::Angle),
+    ("bearing", ColumnRole::Angle),
+    ("sensor", ColumnRole::Sensor),
+    ("scan", ColumnRole::Scan),
+    ("label", ColumnRole::Label),
+    ("-", ColumnRole::Skip),
+    ("_", ColumnRole::Skip),
 ];
 
 /// A column, and what its numbers are multiplied with to be metres, radians or seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::log) struct Column {
-    pub role: Role,
+pub(crate) struct Column {
+    pub role: ColumnRole,
     pub scale: f64,
 }
 
 /// The columns of a table: each so many times; `None`: as often as is left.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::log) struct Columns {
+pub(crate) struct Columns {
     items: Vec<(Column, Option<usize>)>,
     text: String,
 }
@@ -113,16 +113,17 @@ impl Columns {
         }
         // x, y and heading are the robot's, unless px, py and ph are.
         let has = |items: &[(Column, Option<usize>)], role| items.iter().any(|(c, _)| c.role == role);
-        let robots = [(Role::X, Role::Px), (Role::Y, Role::Py), (Role::H, Role::Ph)];
-        if !has(&items, Role::Px) && !has(&items, Role::Py) && !has(&items, Role::Ph) {
+        let robots =
+            [(ColumnRole::X, ColumnRole::Px), (ColumnRole::Y, ColumnRole::Py), (ColumnRole::H, ColumnRole::Ph)];
+        if !has(&items, ColumnRole::Px) && !has(&items, ColumnRole::Py) && !has(&items, ColumnRole::Ph) {
             for (column, _) in &mut items {
                 if let Some((_, robot)) = robots.iter().find(|(own, _)| *own == column.role) {
                     column.role = *robot;
                 }
             }
-        } else if !has(&items, Role::Ph) && !has(&items, Role::X) {
-            for (column, _) in items.iter_mut().filter(|(column, _)| column.role == Role::H) {
-                column.role = Role::Ph;
+        } else if !has(&items, ColumnRole::Ph) && !has(&items, ColumnRole::X) {
+            for (column, _) in items.iter_mut().filter(|(column, _)| column.role == ColumnRole::H) {
+                column.role = ColumnRole::Ph;
             }
         }
         let columns = Columns { items, text: text.into() };
@@ -132,26 +133,26 @@ impl Columns {
 
     fn check(&self) -> Result<(), String> {
         for (role, name) in [
-            (Role::T, "t"),
-            (Role::Scan, "scan"),
-            (Role::Sensor, "sensor"),
-            (Role::Px, "x (the robot's)"),
-            (Role::Py, "y (the robot's)"),
-            (Role::Ph, "heading (the robot's)"),
-            (Role::X, "x (the sensor's)"),
-            (Role::Y, "y (the sensor's)"),
-            (Role::H, "heading (the sensor's)"),
-            (Role::Label, "label"),
+            (ColumnRole::T, "t"),
+            (ColumnRole::Scan, "scan"),
+            (ColumnRole::Sensor, "sensor"),
+            (ColumnRole::Px, "x (the robot's)"),
+            (ColumnRole::Py, "y (the robot's)"),
+            (ColumnRole::Ph, "heading (the robot's)"),
+            (ColumnRole::X, "x (the sensor's)"),
+            (ColumnRole::Y, "y (the sensor's)"),
+            (ColumnRole::H, "heading (the sensor's)"),
+            (ColumnRole::Label, "label"),
         ] {
             if self.items.iter().filter(|(c, _)| c.role == role).map(|(_, n)| n.unwrap_or(2)).sum::<usize>() > 1 {
                 return Err(format!("two columns are {name}"));
             }
         }
-        let robot = [Role::Px, Role::Py, Role::Ph].map(|role| self.has(role));
+        let robot = [ColumnRole::Px, ColumnRole::Py, ColumnRole::Ph].map(|role| self.has(role));
         if robot.contains(&true) && robot.contains(&false) {
             return Err("the robot's pose is x, y and heading: name all three, or none and give --poses".into());
         }
-        let sensor = [Role::X, Role::Y, Role::H].map(|role| self.has(role));
+        let sensor = [ColumnRole::X, ColumnRole::Y, ColumnRole::H].map(|role| self.has(role));
         if sensor.contains(&true) && sensor.contains(&false) {
             return Err("the sensor's pose is x, y and h beside px, py and ph: name all three or none".into());
         }
@@ -159,13 +160,13 @@ impl Columns {
     }
 
     /// Whether a column holds this.
-    pub fn has(&self, role: Role) -> bool {
+    pub fn has(&self, role: ColumnRole) -> bool {
         self.items.iter().any(|(c, _)| c.role == role)
     }
 
     /// Refuses columns that are no readings.
     pub fn gives_readings(&self) -> Result<(), String> {
-        match (self.has(Role::Range), self.has(Role::Px), self.has(Role::T)) {
+        match (self.has(ColumnRole::Range), self.has(ColumnRole::Px), self.has(ColumnRole::T)) {
             (false, ..) => Err("no column is called range".into()),
             (true, false, false) => Err("without x, y and heading it needs t: --poses takes poses by time".into()),
             _ => Ok(()),
@@ -174,7 +175,7 @@ impl Columns {
 
     /// Refuses columns that are no poses with times.
     pub fn gives_poses(&self) -> Result<(), String> {
-        match self.has(Role::Px) && self.has(Role::T) {
+        match self.has(ColumnRole::Px) && self.has(ColumnRole::T) {
             true => Ok(()),
             false => Err("poses are t, x, y and heading".into()),
         }
@@ -191,7 +192,7 @@ impl Columns {
         let repeat = |(column, count): &(Column, Option<usize>)| vec![*column; count.unwrap_or(cells - fixed)];
         let columns: Vec<Column> = self.items.iter().flat_map(repeat).collect();
         let count = |role| columns.iter().filter(|c| c.role == role).count();
-        match (count(Role::Range), count(Role::Angle)) {
+        match (count(ColumnRole::Range), count(ColumnRole::Angle)) {
             (ranges, angles) if angles != 0 && angles != ranges => {
                 Err(format!("{ranges} ranges, but {angles} angles: each range wants its own, or none has one"))
             }
@@ -201,17 +202,21 @@ impl Columns {
 }
 
 /// What a unit's numbers are multiplied with. A minus turns an angle the other way round: clockwise.
-pub(in crate::log) fn scale(role: Role, unit: &str) -> Result<f64, String> {
+pub(crate) fn scale(role: ColumnRole, unit: &str) -> Result<f64, String> {
     let units: &[(&str, f64)] = match role {
-        Role::T => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
-        Role::Px | Role::Py | Role::X | Role::Y | Role::Range => &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)],
-        Role::Ph | Role::H | Role::Angle => &[
+        ColumnRole::T => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
+        ColumnRole::Px | ColumnRole::Py | ColumnRole::X | ColumnRole::Y | ColumnRole::Range => {
+            &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)]
+        }
+        ColumnRole::Ph | ColumnRole::H | ColumnRole::Angle => &[
             ("rad", 1.0),
             ("deg", std::f64::consts::PI / 180.0),
             ("-rad", -1.0),
             ("-deg", -std::f64::consts::PI / 180.0),
         ],
-        Role::Skip | Role::Scan | Role::Sensor | Role::Label => return Err("it has no unit".into()),
+        ColumnRole::Skip | ColumnRole::Scan | ColumnRole::Sensor | ColumnRole::Label => {
+            return Err("it has no unit".into());
+        }
     };
     units.iter().find(|(name, _)| *name == unit).map(|(_, scale)| *scale).ok_or_else(|| {
         let names: Vec<&str> = units.iter().map(|(name, _)| *name).collect();

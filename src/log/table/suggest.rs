@@ -122,7 +122,7 @@ const UNITS: &[(&str, &str)] = &[
 ];
 
 /// The `--columns` line that fits these names best; `-` for those that mean nothing.
-pub(in crate::log) fn spec(names: &[Cow<'_, str>]) -> String {
+pub(crate) fn columns_for(names: &[Cow<'_, str>]) -> String {
     let own = names.iter().any(|name| name.trim() == "px");
     let mut taken: Vec<&str> = Vec::new();
     let mut items: Vec<(String, usize)> = Vec::new();
@@ -204,7 +204,7 @@ mod tests {
             ("robot_x,robot_y,robot_theta,dist_left,dist_front", "x,y,heading,range*2"),
         ] {
             let names: Vec<Cow<'_, str>> = header.split(',').map(Cow::Borrowed).collect();
-            assert_eq!(spec(&names), spec_, "{header}");
+            assert_eq!(columns_for(&names), spec_, "{header}");
         }
     }
 }

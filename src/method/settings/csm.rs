@@ -1,10 +1,9 @@
 //! The parameters of the counting sensor models.
 
-use super::{Key, key};
 use crate::binning::scan::Selection;
 use crate::grid::Palette;
 use crate::log::classes::Classes;
-use crate::sensor::{angle, length};
+use crate::sensor::{ParameterDoc, angle, length};
 use crate::{Error, Result};
 use std::f64::consts::{PI, TAU};
 
@@ -97,12 +96,12 @@ impl Csm {
     }
 
     /// The keys of `--set`.
-    pub(super) fn keys(&self) -> &'static [Key] {
+    pub(super) fn keys(&self) -> &'static [ParameterDoc] {
         if self.continuous { CONTINUOUS } else { DISCRETE }
     }
 
     /// Sets one of its keys.
-    pub(super) fn set(&mut self, key: &Key, value: &str) -> Result<()> {
+    pub(super) fn set(&mut self, key: &ParameterDoc, value: &str) -> Result<()> {
         let name = key.name;
         let wrong = |what: &str| Error::Usage(format!("--set {name}={value}: {name} takes {}{what}", key.values));
         let within = |parsed: std::result::Result<f64, String>, low: f64, high: f64| {
@@ -153,28 +152,31 @@ impl Csm {
 
 const RULES: [&str; 3] = ["projection", "sample", "clamp"];
 
-const NEIGHBOURS: Key = key("neighbours", "1..64|all", "16", "how many of the nearest poses speak of a cell");
-const PRIOR: Key = key("prior", "0.000001..1000", "0.001", "alpha of each class before the first reading");
-const Z_MAX: Key = key("z_max", "0.001..90 m", "30", "readings from here on say nothing, metres");
+const NEIGHBOURS: ParameterDoc =
+    ParameterDoc::new("neighbours", "1..64|all", "16", "how many of the nearest poses speak of a cell");
+const PRIOR: ParameterDoc =
+    ParameterDoc::new("prior", "0.000001..1000", "0.001", "alpha of each class before the first reading");
+const Z_MAX: ParameterDoc =
+    ParameterDoc::new("z_max", "0.001..90 m", "30", "readings from here on say nothing, metres");
 
-const DISCRETE: &[Key] = &[
+const DISCRETE: &[ParameterDoc] = &[
     NEIGHBOURS,
     PRIOR,
     Z_MAX,
-    key("w_obstacle", "0.000001..10 m", "2 cells", "depth of an obstacle, metres"),
-    key("w_beam", "0.000001..3.14 rad", "2.7deg", "width of a beam: 2π/133"),
+    ParameterDoc::new("w_obstacle", "0.000001..10 m", "2 cells", "depth of an obstacle, metres"),
+    ParameterDoc::new("w_beam", "0.000001..3.14 rad", "2.7deg", "width of a beam: 2π/133"),
 ];
-const CONTINUOUS: &[Key] = &[
+const CONTINUOUS: &[ParameterDoc] = &[
     NEIGHBOURS,
     PRIOR,
     Z_MAX,
-    key(
+    ParameterDoc::new(
         "free",
         "projection|sample|clamp",
         "projection",
         "what of a beam frees: the nearest point, samples, or clamped",
     ),
-    key("step", "0.001..10 m", "0.1", "from one sample to the next, metres (free=sample)"),
-    key("l", "0.001..4 m", "0.2", "where the kernel ends, metres"),
-    key("sigma0", "0.00001..1000", "0.1", "the kernel at distance 0"),
+    ParameterDoc::new("step", "0.001..10 m", "0.1", "from one sample to the next, metres (free=sample)"),
+    ParameterDoc::new("l", "0.001..4 m", "0.2", "where the kernel ends, metres"),
+    ParameterDoc::new("sigma0", "0.00001..1000", "0.1", "the kernel at distance 0"),
 ];

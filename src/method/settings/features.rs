@@ -1,7 +1,7 @@
 //! The feature-based grid's parameters.
 
-use super::{Key, key};
 use crate::feature::Rules;
+use crate::sensor::ParameterDoc;
 use crate::{Error, Result};
 
 /// Feature-based occupancy grid.
@@ -24,22 +24,32 @@ impl Default for Features {
 }
 
 /// The keys of `--set`.
-pub(super) const KEYS: &[Key] = &[
-    key("rules", "ours|paper", "ours", "how readings are associated: ours, or those of the paper as they stand there"),
-    key("corners", "true|false", "true", "find concave corners"),
-    key("points", "true|false", "true", "tell points from walls"),
-    key("phantoms", "true|false", "true", "drop mirror images"),
-    key("lines", "true|false", "true", "free nothing behind short lines between features' ends"),
-    key("wide", "true|false", "true", "safe lines join ends up to 90° off the axis, not in the cone alone"),
-    key("hold", "0..1000", "5", "metres of travel for which a reading is held"),
-    key("max_occ", "0..1", "0.98", "largest P(s|occupied) on the arc of a routine update"),
-    key("p_occupied", "0.5..1", "0.6", "a cell is occupied above this probability"),
-    key("p_empty", "0..0.5", "0.4", "a cell is empty below this probability"),
+pub(super) const KEYS: &[ParameterDoc] = &[
+    ParameterDoc::new(
+        "rules",
+        "ours|paper",
+        "ours",
+        "how readings are associated: ours, or those of the paper as they stand there",
+    ),
+    ParameterDoc::new("corners", "true|false", "true", "find concave corners"),
+    ParameterDoc::new("points", "true|false", "true", "tell points from walls"),
+    ParameterDoc::new("phantoms", "true|false", "true", "drop mirror images"),
+    ParameterDoc::new("lines", "true|false", "true", "free nothing behind short lines between features' ends"),
+    ParameterDoc::new(
+        "wide",
+        "true|false",
+        "true",
+        "safe lines join ends up to 90° off the axis, not in the cone alone",
+    ),
+    ParameterDoc::new("hold", "0..1000", "5", "metres of travel for which a reading is held"),
+    ParameterDoc::new("max_occ", "0..1", "0.98", "largest P(s|occupied) on the arc of a routine update"),
+    ParameterDoc::new("p_occupied", "0.5..1", "0.6", "a cell is occupied above this probability"),
+    ParameterDoc::new("p_empty", "0..0.5", "0.4", "a cell is empty below this probability"),
 ];
 
 impl Features {
     /// Sets one of its keys.
-    pub(super) fn set(&mut self, key: &Key, value: &str) -> Result<()> {
+    pub(super) fn set(&mut self, key: &ParameterDoc, value: &str) -> Result<()> {
         let name = key.name;
         let wrong = || Error::Usage(format!("--set {name}={value}: {name} takes {}", key.values));
         let number =

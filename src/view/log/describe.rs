@@ -5,8 +5,8 @@ use super::lane::Lane;
 use super::shown::{DIFFERENCE, View, blocks, views};
 use super::{Lanes, Options};
 use crate::method::REGISTRY;
-use crate::method::settings::{Key, Settings};
-use crate::sensor::{Kind, OVERRIDE_KEYS};
+use crate::method::settings::Settings;
+use crate::sensor::{Kind, OVERRIDE_KEYS, ParameterDoc};
 use crate::view::legend::legend;
 use crate::view::tile::levels;
 use serde_json::{Map, Value, json};
@@ -52,7 +52,7 @@ pub fn session(options: &Options, lanes: &Lanes) -> Value {
     })
 }
 
-fn key(key: &Key) -> Value {
+fn key(key: &ParameterDoc) -> Value {
     json!({"name": key.name, "values": key.values, "default": key.default, "about": key.about})
 }
 

@@ -1,13 +1,17 @@
 //! A log of named variables: poses, and for each the ranges of its beams or the points that they hit.
 
-use super::array::{Array, Read_};
+use super::array::Array;
+use super::element::ReadResult;
 use super::fields::{Field, resolve};
-use crate::log::format::Beams;
+use crate::log::mounting::Beams;
 use crate::log::reading::Pose;
 use crate::sensor::angle;
 
+/// Half the usual beam spacing of such lasers, degrees.
+pub(super) const HALF_WIDTH: f64 = 0.5;
+
 /// Readings as a file has them.
-enum Readings {
+enum ScanValues {
     /// Scans as the rows of a matrix.
     Rows(usize, Vec<f64>),
     /// Scans as its columns.
@@ -16,17 +20,17 @@ enum Readings {
     Cells(Vec<Array>),
 }
 
-impl Readings {
+impl ScanValues {
     /// Of so many scans.
-    fn of(array: Array, scans: usize, by_columns: bool, key: &str) -> Read_<Readings> {
+    fn of(array: Array, scans: usize, by_columns: bool, key: &str) -> ReadResult<ScanValues> {
         match array {
-            Array::Cells(cells) if cells.len() == scans => Ok(Readings::Cells(cells)),
+            Array::Cells(cells) if cells.len() == scans => Ok(ScanValues::Cells(cells)),
             Array::Numbers { rows, values } => {
                 let columns = values.len() / rows.max(1);
                 match (rows == scans, columns == scans) {
-                    (true, true) if by_columns => Ok(Readings::Columns(rows, values)),
-                    (true, _) => Ok(Readings::Rows(rows, values)),
-                    (false, true) => Ok(Readings::Columns(rows, values)),
+                    (true, true) if by_columns => Ok(ScanValues::Columns(rows, values)),
+                    (true, _) => Ok(ScanValues::Rows(rows, values)),
+                    (false, true) => Ok(ScanValues::Columns(rows, values)),
                     (false, false) => Err(format!(
                         "{key} has {rows} × {columns} numbers for {scans} poses: one of the two must be as many"
                     )),
@@ -36,11 +40,11 @@ impl Readings {
         }
     }
 
-    fn scan(&self, i: usize) -> Read_<Vec<f64>> {
+    fn scan(&self, i: usize) -> ReadResult<Vec<f64>> {
         match self {
-            Readings::Rows(rows, values) => Ok(values.iter().skip(i).step_by((*rows).max(1)).copied().collect()),
-            Readings::Columns(rows, values) => Ok(values.get(i * rows..(i + 1) * rows).unwrap_or_default().to_vec()),
-            Readings::Cells(cells) => match cells.get(i) {
+            ScanValues::Rows(rows, values) => Ok(values.iter().skip(i).step_by((*rows).max(1)).copied().collect()),
+            ScanValues::Columns(rows, values) => Ok(values.get(i * rows..(i + 1) * rows).unwrap_or_default().to_vec()),
+            ScanValues::Cells(cells) => match cells.get(i) {
                 Some(Array::Numbers { values, .. }) => Ok(values.clone()),
                 Some(other) => Err(format!("it is {other}, not numbers")),
                 None => Ok(Vec::new()),
@@ -54,7 +58,7 @@ enum Bearings {
     /// The same in every scan.
     Same(Vec<f64>),
     /// A list for each scan.
-    Each(Readings, f64),
+    Each(ScanValues, f64),
     /// The first beam and the step: of every scan, or the same.
     Even(Vec<f64>, Vec<f64>),
     /// Over this field of view.
@@ -62,22 +66,22 @@ enum Bearings {
 }
 
 /// What the log holds.
-pub(super) struct Plot {
+pub(super) struct ScanData {
     pub poses: Vec<Pose>,
     /// Seconds, as many as poses, or none.
     pub times: Vec<f64>,
     pub r_max: Option<f64>,
     /// The laser's place on the robot.
     pub mount: Option<Pose>,
-    readings: Readings,
+    readings: ScanValues,
     scale: f64,
     /// None: the readings are hit points.
     bearings: Option<Bearings>,
-    labels: Option<Readings>,
+    labels: Option<ScanValues>,
 }
 
 /// Numbers in a row, a column, or a cell each.
-fn series(array: &Array, key: &str) -> Read_<Vec<f64>> {
+fn series(array: &Array, key: &str) -> ReadResult<Vec<f64>> {
     match array {
         Array::Numbers { rows, values } if *rows <= 1 || *rows == values.len() => Ok(values.clone()),
         Array::Cells(cells) => cells
@@ -92,7 +96,7 @@ fn series(array: &Array, key: &str) -> Read_<Vec<f64>> {
 }
 
 /// A 3 × N or N × 3 matrix, or a cell of three numbers each; `true`: scans are columns.
-fn poses(array: &Array, scale: f64) -> Read_<(Vec<Pose>, bool)> {
+fn poses(array: &Array, scale: f64) -> ReadResult<(Vec<Pose>, bool)> {
     let pose = |x: f64, y: f64, h: f64| Pose { x, y, heading: h * scale };
     match array {
         Array::Numbers { rows, values } => {
@@ -114,18 +118,18 @@ fn poses(array: &Array, scale: f64) -> Read_<(Vec<Pose>, bool)> {
                 Array::Numbers { values, .. } if values.len() == 3 => Ok(pose(values[0], values[1], values[2])),
                 other => Err(format!("pose is a cell with {other}, not three numbers each")),
             });
-            Ok((each.collect::<Read_<Vec<Pose>>>()?, false))
+            Ok((each.collect::<ReadResult<Vec<Pose>>>()?, false))
         }
         other => Err(format!("pose is {other}, not 3 × N or N × 3 numbers")),
     }
 }
 
-impl Plot {
+impl ScanData {
     /// Finds the fields in the variables.
-    pub fn of(variables: &[(String, Array)], fields: &[Field]) -> Read_<Plot> {
+    pub fn of(variables: &[(String, Array)], fields: &[Field]) -> ReadResult<ScanData> {
         let field = |key: &str| fields.iter().find(|field| field.key == key);
         let array = |field: &Field| resolve(variables, &field.path).map_err(|what| format!("{}: {what}", field.key));
-        let list = |key: &str| -> Read_<Option<Vec<f64>>> {
+        let list = |key: &str| -> ReadResult<Option<Vec<f64>>> {
             let Some(field) = field(key) else { return Ok(None) };
             // A number stands for itself, in its unit.
             if let Ok(number) = angle(&field.path) {
@@ -149,8 +153,8 @@ impl Plot {
         let n = poses.len();
         let key = if field("points").is_some() { "points" } else { "ranges" };
         let named = field(key).ok_or("name ranges or points")?;
-        let readings = Readings::of(array(named)?, n, by_columns, key)?;
-        if key == "points" && !matches!(readings, Readings::Cells(_)) {
+        let readings = ScanValues::of(array(named)?, n, by_columns, key)?;
+        if key == "points" && !matches!(readings, ScanValues::Cells(_)) {
             return Err("points must be a cell of 2 × N points for each pose".into());
         }
         let each = |values: Vec<f64>, key: &str| match values.len() {
@@ -165,7 +169,7 @@ impl Plot {
                 Array::Numbers { rows, values } if rows <= 1 || rows == values.len() => {
                     Bearings::Same(values.into_iter().map(|v| v * field.scale).collect())
                 }
-                other => Bearings::Each(Readings::of(other, n, by_columns, "angles")?, field.scale),
+                other => Bearings::Each(ScanValues::of(other, n, by_columns, "angles")?, field.scale),
             })
         } else if let (Some(first), Some(step)) = (list("first")?, list("step")?) {
             Some(Bearings::Even(each(first, "first")?, each(step, "step")?))
@@ -194,10 +198,10 @@ impl Plot {
         };
         let r_max = list("r_max")?.and_then(|r| r.into_iter().reduce(f64::max)).filter(|r| *r > 0.05 && r.is_finite());
         let labels = match field("labels") {
-            Some(field) => Some(Readings::of(array(field)?, n, by_columns, "labels")?),
+            Some(field) => Some(ScanValues::of(array(field)?, n, by_columns, "labels")?),
             None => None,
         };
-        Ok(Plot { poses, times, r_max, mount, readings, scale: named.scale, bearings, labels })
+        Ok(ScanData { poses, times, r_max, mount, readings, scale: named.scale, bearings, labels })
     }
 
     /// Half the angle from beam to beam of the first scan, radians.
@@ -208,7 +212,7 @@ impl Plot {
     }
 
     /// The readings of a scan: bearing, range, label.
-    pub fn scan(&self, i: usize) -> Read_<Vec<(f64, f64, Option<f64>)>> {
+    pub fn scan(&self, i: usize) -> ReadResult<Vec<(f64, f64, Option<f64>)>> {
         let values = self.readings.scan(i)?;
         let labels = self.labels.as_ref().map(|labels| labels.scan(i)).transpose()?;
         let Some(bearings) = &self.bearings else { return self.points(i) };
@@ -235,8 +239,8 @@ impl Plot {
         Ok(off.into_iter().zip(values).enumerate().map(|(k, (a, z))| (a, z * self.scale, label(k))).collect())
     }
 
-    fn points(&self, i: usize) -> Read_<Vec<(f64, f64, Option<f64>)>> {
-        let Readings::Cells(cells) = &self.readings else { return Err("no cell of points".into()) };
+    fn points(&self, i: usize) -> ReadResult<Vec<(f64, f64, Option<f64>)>> {
+        let ScanValues::Cells(cells) = &self.readings else { return Err("no cell of points".into()) };
         match cells.get(i) {
             Some(Array::Numbers { values, .. }) if values.is_empty() => Ok(Vec::new()),
             Some(Array::Numbers { rows: rows @ (2 | 3), values }) => {

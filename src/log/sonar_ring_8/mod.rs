@@ -2,13 +2,15 @@
 //! of poses (`od.txt` or `poses.txt`), one row a scan in both: `t_ms r1 … rn` in mm, and `t_ms x_mm y_mm theta` with theta
 //! in 0.1°. The files carry no sensor description: presets do.
 
-use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose};
+use super::format::{Format, LogPath, Probe, RecordQueue, ScanReader, Source};
 use super::input::Input;
-use super::{BadLine, Problem};
+use super::mounting::MountedSensor;
+use super::problem::{BadLine, Problem};
+use super::values::check_pose;
 use crate::log::reading::{Pose, Record};
 use crate::sensor::{Description, Kind, preset};
 use crate::{Error, Result};
-use rows::{Meeting, Row, Rows};
+use rows::{Row, RowMatch, RowReader};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -19,9 +21,9 @@ const SONAR: &[&str] = &["sonar.txt", "measurement.txt"];
 const LASER: &[&str] = &["laser.txt"];
 const POSES: &[&str] = &["od.txt", "poses.txt"];
 /// The sonars' code for "no echo", mm.
-const NO_ECHO: f64 = 5110.0;
+const SONAR_NO_ECHO: f64 = 5110.0;
 /// The laser's, mm.
-const NO_RETURN: f64 = 81910.0;
+const LASER_NO_RETURN: f64 = 81910.0;
 
 /// The format.
 pub(crate) struct SonarRing8;
@@ -31,11 +33,11 @@ impl Format for SonarRing8 {
         "sonar_ring_8"
     }
 
-    fn looks(&self) -> &'static str {
+    fn describe(&self) -> &'static str {
         "a sonar_ring_8 folder (sonar.txt or measurement.txt or laser.txt, with od.txt or poses.txt)"
     }
 
-    fn claims(&self, probe: &Probe<'_>) -> bool {
+    fn sniff(&self, probe: &Probe<'_>) -> bool {
         match probe {
             Probe::Folder(folder) => [SONAR, LASER, POSES].iter().any(|names| find(folder, names).is_some()),
             // One of the files alone: claimed so that the message can ask for the folder.
@@ -46,10 +48,10 @@ impl Format for SonarRing8 {
         }
     }
 
-    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
+    fn open(&self, place: &LogPath, kind: Option<Kind>) -> Result<Box<dyn Source>> {
         let folder = match place {
-            Place::Folder(folder) => folder,
-            Place::File(input) => {
+            LogPath::Folder(folder) => folder,
+            LogPath::File(input) => {
                 let what = "one file of a sonar_ring_8 log: name the folder that holds it, with readings and poses; or, if it is \
                             another table, name its columns with --columns (docs/formats.md)";
                 return Err(Error::input(input.path(), what));
@@ -69,7 +71,7 @@ impl Format for SonarRing8 {
         let readings = if laser { open(LASER, "laser readings")? } else { open(SONAR, "sonar readings")? };
         let poses = open(POSES, "poses")?;
         let sensors = preset(if laser { "sonar_ring_8.laser" } else { "sonar_ring_8" })?;
-        Ok(Box::new(Folder { readings, poses, sensors, laser }))
+        Ok(Box::new(RingLog { readings, poses, sensors, laser }))
     }
 }
 
@@ -77,14 +79,14 @@ fn find(folder: &Path, names: &[&str]) -> Option<std::path::PathBuf> {
     names.iter().map(|name| folder.join(name)).find(|path| path.is_file())
 }
 
-struct Folder {
+struct RingLog {
     readings: Input,
     poses: Input,
     sensors: Vec<Description>,
     laser: bool,
 }
 
-impl Source for Folder {
+impl Source for RingLog {
     fn sensors(&self) -> &[Description] {
         &self.sensors
     }
@@ -109,35 +111,35 @@ impl Source for Folder {
         vec![&self.readings, &self.poses]
     }
 
-    fn scans(&self, sensors: Arc<[Mounted]>, _ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>> {
+    fn scans(&self, sensors: Arc<[MountedSensor]>, _ignored: Arc<AtomicU64>) -> Result<Box<dyn ScanReader>> {
         let columns = match sensors.first().and_then(|m| m.beams) {
             Some(beams) => beams.count as usize,
             None => sensors.len(),
         };
-        let readings = Rows::new(&self.readings, columns)?;
-        let poses = Rows::new(&self.poses, 3)?;
-        Ok(Box::new(Pass { sensors, readings, poses, scan: 0 }))
+        let readings = RowReader::new(&self.readings, columns)?;
+        let poses = RowReader::new(&self.poses, 3)?;
+        Ok(Box::new(RingReader { sensors, readings, poses, scan: 0 }))
     }
 }
 
-struct Pass {
-    sensors: Arc<[Mounted]>,
-    readings: Rows,
-    poses: Rows,
+struct RingReader {
+    sensors: Arc<[MountedSensor]>,
+    readings: RowReader,
+    poses: RowReader,
     scan: u64,
 }
 
-impl Scans for Pass {
-    fn fill(&mut self, items: &mut Items) -> bool {
+impl ScanReader for RingReader {
+    fn fill(&mut self, items: &mut RecordQueue) -> bool {
         let (readings, poses) = (&mut self.readings, &mut self.poses);
         if let Some(error) = readings.fatal().or_else(|| poses.fatal()) {
             items.push_back(Err(Problem::Fatal(error)));
             return true;
         }
-        match rows::meet(readings, poses) {
-            Meeting::End => return false,
-            Meeting::Alone(line, what) => items.push_back(Err(Problem::Line(BadLine { line, what }))),
-            Meeting::Pair(reading, pose) => {
+        match rows::next_match(readings, poses) {
+            RowMatch::End => return false,
+            RowMatch::Unmatched(line, what) => items.push_back(Err(Problem::Line(BadLine { line, what }))),
+            RowMatch::Pair(reading, pose) => {
                 let made = match (&reading.values, &pose.values) {
                     (Err(what), _) => Err((reading.line, format!("{}: {what}", readings.name))),
                     (_, Err(what)) => Err((pose.line, format!("{}: {what}", poses.name))),
@@ -156,18 +158,18 @@ impl Scans for Pass {
 
 /// The records of one scan.
 fn scan(
-    sensors: &[Mounted],
+    sensors: &[MountedSensor],
     scan: u64,
     row: &Row,
     ranges: &[f64],
     at: &[f64],
-    items: &mut Items,
+    items: &mut RecordQueue,
 ) -> std::result::Result<(), String> {
     let at = |i: usize| at.get(i).copied().unwrap_or(f64::NAN);
     let robot = Pose { x: at(0) / 1000.0, y: at(1) / 1000.0, heading: (at(2) / 10.0).to_radians() };
     check_pose("the robot's", &robot)?;
     let laser = sensors.first().and_then(|m| m.beams);
-    let none = if laser.is_some() { NO_RETURN } else { NO_ECHO };
+    let none = if laser.is_some() { LASER_NO_RETURN } else { SONAR_NO_ECHO };
     for (k, mm) in ranges.iter().enumerate() {
         let (sensor, off) = match laser {
             Some(beams) => (0, beams.first + k as f64 * beams.step),

@@ -1,142 +1,33 @@
-//! MATLAB's `.mat` files, version 5, with laser scans as hit points: `robotPose`, a struct of x, y and h, a number a scan;
-//! `laserScan`, a cell a scan, of 2 × N hit points in the robot's frame, or 3 × N with class labels in the third row.
-//!
-//! Files with other variables are read by `--fields` (`fields`, `plot`, `named`), and so are Octave's text files (`octave`).
-//! A "line" of such a log is a scan, counted from 1.
+//! A log of the variables `robotPose` and `laserScan`: hit points in the robot's frame.
 
-use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, check_pose, lasers_only, quote};
-use super::input::Input;
-use super::lines::unreadable;
-use super::text::file_of;
-use super::{BadLine, Problem};
+use super::array::{Array, Variables};
+use super::scan_data::HALF_WIDTH;
+use crate::Result;
 use crate::log::classes::Classes;
+use crate::log::format::{RecordQueue, ScanReader, Source};
+use crate::log::input::Input;
+use crate::log::mounting::MountedSensor;
+use crate::log::problem::{BadLine, Problem};
 use crate::log::reading::{Pose, Record};
+use crate::log::values::{check_pose, quote};
 use crate::sensor::{Description, Kind};
-use crate::{Error, Result};
-use array::{Array, Variables};
-use std::io::Read;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-mod array;
-mod bytes;
-mod fields;
-mod named;
-mod octave;
-mod plot;
-
-/// Half the usual beam spacing of such lasers, degrees.
-const HALF_WIDTH: f64 = 0.5;
-
-/// The format.
-pub(crate) struct Matlab;
-
-impl Format for Matlab {
-    fn name(&self) -> &'static str {
-        "matlab"
-    }
-
-    fn looks(&self) -> &'static str {
-        "a MATLAB .mat file (version 5 to 7) of poses and scans"
-    }
-
-    fn claims(&self, probe: &Probe<'_>) -> bool {
-        matches!(probe, Probe::Text(text) if text.starts_with("MATLAB 5.0 MAT-file") || text.starts_with("MATLAB 7.3 MAT-file"))
-    }
-
-    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
-        let input = file_of(place, ".mat")?;
-        let bytes = whole(input)?;
-        let fail = |what: String| Error::input(input.path(), what);
-        let found = array::read(&bytes, &["robotPose", "laserScan"]).map_err(fail)?;
-        if found.wanted.is_empty() && !found.names.is_empty() {
-            return named::open(input, &array::read_all(&bytes).map_err(fail)?, None, kind);
-        }
-        lasers_only(input, kind, self.name())?;
-        Ok(Box::new(MatLog::of(input, found).map_err(fail)?))
-    }
-}
-
-/// The format of Octave's text files.
-pub(crate) struct Octave;
-
-impl Format for Octave {
-    fn name(&self) -> &'static str {
-        "octave"
-    }
-
-    fn looks(&self) -> &'static str {
-        "an Octave text file (save -text) of poses and scans"
-    }
-
-    fn claims(&self, probe: &Probe<'_>) -> bool {
-        matches!(probe, Probe::Text(text) if octave::looks(text))
-    }
-
-    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
-        let input = file_of(place, "Octave")?;
-        named::open(input, &variables(input)?, None, kind)
-    }
-}
-
-/// Opens a MATLAB or Octave file whose variables are named by `--fields`; gives the format's name too.
-pub(super) fn open_fields(place: &Place, text: &str, kind: Option<Kind>) -> Result<(&'static str, Box<dyn Source>)> {
-    let input = file_of(place, ".mat")?;
-    let head = input.head()?;
-    let head = String::from_utf8_lossy(&head);
-    let probe = Probe::Text(&head);
-    let format: &dyn Format = if Octave.claims(&probe) { &Octave } else { &Matlab };
-    if !format.claims(&probe) {
-        let what = format!(
-            "--fields {text}: {} is no MATLAB or Octave file; of a table, --columns names the columns",
-            input.path().display()
-        );
-        return Err(Error::Usage(what));
-    }
-    Ok((format.name(), named::open(input, &variables(input)?, Some(text), kind)?))
-}
-
-/// All variables of a MATLAB or Octave file.
-fn variables(input: &Input) -> Result<Vec<(String, Array)>> {
-    let bytes = whole(input)?;
-    let fail = |what: String| Error::input(input.path(), what);
-    match bytes.starts_with(b"MATLAB") {
-        true => array::read_all(&bytes).map_err(fail),
-        false => {
-            if bytes.len() as u64 > array::LARGEST {
-                return Err(fail("is more than 512 MiB to read: save fewer scans in a file".into()));
-            }
-            let text = std::str::from_utf8(&bytes).map_err(|e| fail(format!("is not UTF-8 text: {e}")))?;
-            octave::read(text).map_err(fail)
-        }
-    }
-}
-
-/// A file's bytes, up to what is read at most.
-fn whole(input: &Input) -> Result<Vec<u8>> {
-    let fail = |what: String| Error::input(input.path(), what);
-    let mut bytes = Vec::new();
-    let read = input.reader()?.take(array::LARGEST + 1).read_to_end(&mut bytes);
-    read.map_err(|e| unreadable(input.path(), None, &e))?;
-    if bytes.starts_with(b"MATLAB 7.3") {
-        let what = "is a version 7.3 file (HDF5): load it in MATLAB and save it with save(name, '-v7')";
-        return Err(fail(what.into()));
-    }
-    Ok(bytes)
-}
 
 /// A scan: the robot's pose, and the points that it hit, with labels.
 type Points = (Pose, Array);
 
-struct MatLog {
+/// A log of `robotPose` and `laserScan`.
+pub(super) struct PointLog {
     input: Input,
     scans: Arc<Vec<Points>>,
     sensors: Vec<Description>,
     classes: Vec<String>,
 }
 
-impl MatLog {
-    fn of(input: &Input, found: Variables) -> std::result::Result<MatLog, String> {
+impl PointLog {
+    /// From the two variables; the error doesn't name the file.
+    pub fn of(input: &Input, found: Variables) -> std::result::Result<PointLog, String> {
         let Variables { mut wanted, names } = found;
         let asked =
             [("robotPose", "a struct of x, y and h"), ("laserScan", "a cell of 2 × N or 3 × N points for each scan")];
@@ -178,7 +69,12 @@ impl MatLog {
             half_width: Some(HALF_WIDTH.to_radians()),
             ..Description::default()
         };
-        Ok(MatLog { input: input.clone(), scans: Arc::new(poses.zip(cells).collect()), sensors: vec![laser], classes })
+        Ok(PointLog {
+            input: input.clone(),
+            scans: Arc::new(poses.zip(cells).collect()),
+            sensors: vec![laser],
+            classes,
+        })
     }
 }
 
@@ -193,7 +89,7 @@ fn list(names: &[String]) -> String {
     }
 }
 
-impl Source for MatLog {
+impl Source for PointLog {
     fn sensors(&self) -> &[Description] {
         &self.sensors
     }
@@ -210,20 +106,20 @@ impl Source for MatLog {
         vec![&self.input]
     }
 
-    fn scans(&self, sensors: Arc<[Mounted]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>> {
-        Ok(Box::new(Pass { scans: self.scans.clone(), next: 0, sensors, ignored }))
+    fn scans(&self, sensors: Arc<[MountedSensor]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn ScanReader>> {
+        Ok(Box::new(PointReader { scans: self.scans.clone(), next: 0, sensors, ignored }))
     }
 }
 
-struct Pass {
+struct PointReader {
     scans: Arc<Vec<Points>>,
     next: usize,
-    sensors: Arc<[Mounted]>,
+    sensors: Arc<[MountedSensor]>,
     ignored: Arc<AtomicU64>,
 }
 
-impl Scans for Pass {
-    fn fill(&mut self, items: &mut Items) -> bool {
+impl ScanReader for PointReader {
+    fn fill(&mut self, items: &mut RecordQueue) -> bool {
         let Some((robot, points)) = self.scans.get(self.next) else { return false };
         let (scan, line) = (self.next as u64, self.next as u64 + 1);
         self.next += 1;
@@ -251,7 +147,7 @@ impl Scans for Pass {
     }
 }
 
-fn record(sensors: &[Mounted], robot: &Pose, point: &[f64], scan: u64) -> std::result::Result<Record, String> {
+fn record(sensors: &[MountedSensor], robot: &Pose, point: &[f64], scan: u64) -> std::result::Result<Record, String> {
     let label = match point.get(2) {
         None => None,
         Some(label) if label.fract() == 0.0 && (1.0..65536.0).contains(label) => Some(*label as u16),

@@ -2,27 +2,30 @@
 //! better, `RAWLASER1`, `RAWLASER2`, `LASER1` and `LASER2` with the odometry's poses. Ranges are passed on as they are.
 //!
 //! Nothing in such a log lists its lasers, and some don't say how their beams lie or at which range they give up. So opening scans it
-//! once (`found`): each layout of beams becomes one sensor.
+//! once (`survey`): each layout of beams becomes one sensor.
 
-use super::format::{Format, Items, Mounted, Place, Probe, Scans, Source, lasers_only};
+use super::format::{Format, LogPath, Probe, RecordQueue, ScanReader, Source};
 use super::input::Input;
-use super::lines::Lines;
-use super::{BadLine, Problem};
+use super::lines::LineReader;
+use super::mounting::MountedSensor;
+use super::opening::laser_file;
+use super::problem::{BadLine, Problem};
 use crate::log::reading::Record;
 use crate::sensor::{Description, Kind};
 use crate::{Error, Result};
-use found::Found;
-use message::{Line, Message};
-use odometry::Odometry;
+use message::{CarmenLine, LaserMessage};
+use odometry::OdometryReader;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use survey::LaserSurvey;
 use tag::Tag;
 
 mod beams;
-mod found;
+mod laser;
 mod message;
 mod odometry;
 mod rear;
+mod survey;
 mod tag;
 
 /// The format.
@@ -33,11 +36,11 @@ impl Format for Carmen {
         "carmen"
     }
 
-    fn looks(&self) -> &'static str {
+    fn describe(&self) -> &'static str {
         "a CARMEN text log (FLASER, RLASER, ROBOTLASER1 or other laser lines), plain or gzip"
     }
 
-    fn claims(&self, probe: &Probe<'_>) -> bool {
+    fn sniff(&self, probe: &Probe<'_>) -> bool {
         let Probe::Text(text) = probe else { return false };
         let others = ["PARAM", "ODOM", "SYNC", "TRUEPOS", "POSITION", "SONAR", "ODO_UPDATE", "SM_UPDATE"];
         text.lines().any(|line| {
@@ -48,14 +51,13 @@ impl Format for Carmen {
         })
     }
 
-    fn open(&self, place: &Place, kind: Option<Kind>) -> Result<Box<dyn Source>> {
-        let Place::File(input) = place else { return Err(Error::Usage("a CARMEN log is a file".into())) };
-        lasers_only(input, kind, self.name())?;
-        let found = Found::read(input)?;
-        if found.lasers.is_empty() {
+    fn open(&self, place: &LogPath, kind: Option<Kind>) -> Result<Box<dyn Source>> {
+        let input = laser_file(place, kind, "CARMEN", self.name())?;
+        let survey = LaserSurvey::read(input)?;
+        if survey.lasers.is_empty() {
             let none = "no readable laser message in this CARMEN log: nothing to map";
-            let left = found.left_out().map(|what| format!("; left out: {what}")).unwrap_or_default();
-            return Err(match &found.bad {
+            let left = survey.left_out().map(|what| format!("; left out: {what}")).unwrap_or_default();
+            return Err(match &survey.bad {
                 Some((bad, count)) => {
                     let what =
                         format!("{}. There is {none} ({count} bad lines, of which this is the first){left}", bad.what);
@@ -64,14 +66,14 @@ impl Format for Carmen {
                 None => Error::input(input.path(), format!("{none}{left}")),
             });
         }
-        let sensors = found.lasers.iter().map(found::Laser::describe).collect();
-        Ok(Box::new(CarmenLog { input: input.clone(), found: Arc::new(found), sensors }))
+        let sensors = survey.lasers.iter().map(laser::CarmenLaser::describe).collect();
+        Ok(Box::new(CarmenLog { input: input.clone(), survey: Arc::new(survey), sensors }))
     }
 }
 
 struct CarmenLog {
     input: Input,
-    found: Arc<Found>,
+    survey: Arc<LaserSurvey>,
     sensors: Vec<Description>,
 }
 
@@ -85,43 +87,43 @@ impl Source for CarmenLog {
     }
 
     fn notes(&self) -> Vec<String> {
-        self.found.notes()
+        self.survey.notes()
     }
 
     fn beams_origin(&self, sensor: usize) -> Option<(String, bool)> {
-        let laser = self.found.lasers.get(sensor)?;
+        let laser = self.survey.lasers.get(sensor)?;
         let plain = !laser.origin.contains("assumption") && !laser.origin.contains(';');
         Some((laser.origin.clone(), plain))
     }
 
-    fn silence(&self, sensor: usize) -> Option<String> {
-        self.found.silence(sensor)
+    fn no_return_note(&self, sensor: usize) -> Option<String> {
+        self.survey.no_return_note(sensor)
     }
 
     fn inputs(&self) -> Vec<&Input> {
         vec![&self.input]
     }
 
-    fn scans(&self, sensors: Arc<[Mounted]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn Scans>> {
-        let unposed = self.found.lasers.iter().any(|laser| !laser.layout.posed);
-        let odometry = if unposed { Some(Odometry::open(&self.input)?) } else { None };
-        let (lines, found) = (self.input.lines()?, self.found.clone());
-        Ok(Box::new(Pass { lines, odometry, found, sensors, ignored, ranges: Vec::new(), scan: 0 }))
+    fn scans(&self, sensors: Arc<[MountedSensor]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn ScanReader>> {
+        let unposed = self.survey.lasers.iter().any(|laser| !laser.layout.posed);
+        let odometry = if unposed { Some(OdometryReader::open(&self.input)?) } else { None };
+        let (lines, survey) = (self.input.lines()?, self.survey.clone());
+        Ok(Box::new(CarmenReader { lines, odometry, survey, sensors, ignored, ranges: Vec::new(), scan: 0 }))
     }
 }
 
-struct Pass {
-    lines: Lines,
-    odometry: Option<Odometry>,
-    found: Arc<Found>,
-    sensors: Arc<[Mounted]>,
+struct CarmenReader {
+    lines: LineReader,
+    odometry: Option<OdometryReader>,
+    survey: Arc<LaserSurvey>,
+    sensors: Arc<[MountedSensor]>,
     ignored: Arc<AtomicU64>,
     ranges: Vec<f64>,
     scan: u64,
 }
 
-impl Scans for Pass {
-    fn fill(&mut self, items: &mut Items) -> bool {
+impl ScanReader for CarmenReader {
+    fn fill(&mut self, items: &mut RecordQueue) -> bool {
         let number = self.lines.number() + 1;
         let parsed = match self.lines.next() {
             None => return false,
@@ -135,10 +137,12 @@ impl Scans for Pass {
             },
         };
         let done = match parsed {
-            Ok(Line::Laser(message)) => match self.lines.cut() && message.t.is_none() && self.found.timed(&message) {
-                true => Err("the file ends within this line".into()),
-                false => self.emit(&message, number, items),
-            },
+            Ok(CarmenLine::Laser(message)) => {
+                match self.lines.cut() && message.t.is_none() && self.survey.timed(&message) {
+                    true => Err("the file ends within this line".into()),
+                    false => self.emit(&message, number, items),
+                }
+            }
             Ok(_) => Ok(false),
             Err(what) => Err(what),
         };
@@ -153,12 +157,17 @@ impl Scans for Pass {
     }
 }
 
-impl Pass {
+impl CarmenReader {
     /// Appends a message's readings; `false`: it is left out.
-    fn emit(&mut self, message: &Message, line: u64, items: &mut Items) -> std::result::Result<bool, String> {
-        let index = self.found.lasers.iter().position(|l| l.layout == message.layout);
-        let found = index.and_then(|i| Some((i, self.found.lasers.get(i)?, self.sensors.get(i)?)));
-        let Some((index, laser, mounted)) = found else {
+    fn emit(
+        &mut self,
+        message: &LaserMessage,
+        line: u64,
+        items: &mut RecordQueue,
+    ) -> std::result::Result<bool, String> {
+        let index = self.survey.lasers.iter().position(|l| l.layout == message.layout);
+        let survey = index.and_then(|i| Some((i, self.survey.lasers.get(i)?, self.sensors.get(i)?)));
+        let Some((index, laser, mounted)) = survey else {
             return match message.layout.posed {
                 true => Err("more than 256 different layouts of laser beams: this one is left out".into()),
                 false => Ok(false),
@@ -170,7 +179,7 @@ impl Pass {
                 let robot = odometry.at(line, t).ok_or("no ODOM message gives its pose")?;
                 (robot.compose(laser.mount.x, laser.mount.y, laser.mount.heading), robot)
             }
-            _ => self.found.rear.poses(message.layout.tag, message.place),
+            _ => self.survey.rear.poses(message.layout.tag, message.place),
         };
         let beams = mounted.beams.unwrap_or(laser.beams);
         for (k, range) in self.ranges.iter().enumerate() {

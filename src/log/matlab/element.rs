@@ -1,31 +1,37 @@
 //! The elements that a version 5 `.mat` file consists of, every size checked before it is trusted.
 
-use super::array::{COMPRESSED, Read_};
+/// What was read, or what is wrong with it.
+pub(super) type ReadResult<T> = Result<T, String>;
+
+/// What a file may come to in memory, bytes: packed, unpacked, and as numbers.
+pub(super) const MAX_BYTES: u64 = 1 << 29;
+/// Data type of a packed element.
+pub(super) const COMPRESSED: u32 = 15;
 
 /// Bytes that may still be taken.
 pub(super) struct Budget(pub u64);
 
 impl Budget {
-    pub fn take(&mut self, bytes: u64) -> Read_<()> {
+    pub fn take(&mut self, bytes: u64) -> ReadResult<()> {
         self.0 = self.0.checked_sub(bytes).ok_or("is more than 512 MiB to read: save fewer scans in a file")?;
         Ok(())
     }
 }
 
 /// Bytes being read.
-pub(super) struct Bytes<'a> {
+pub(super) struct ElementReader<'a> {
     /// All of them.
     pub all: &'a [u8],
     /// How many were read.
     pub at: usize,
 }
 
-impl<'a> Bytes<'a> {
+impl<'a> ElementReader<'a> {
     pub fn ended(&self) -> bool {
         self.at >= self.all.len()
     }
 
-    pub fn take(&mut self, count: usize) -> Read_<&'a [u8]> {
+    pub fn take(&mut self, count: usize) -> ReadResult<&'a [u8]> {
         let part = self.at.checked_add(count).and_then(|end| self.all.get(self.at..end));
         let left = self.all.len() - self.at.min(self.all.len());
         let part =
@@ -34,12 +40,12 @@ impl<'a> Bytes<'a> {
         Ok(part)
     }
 
-    pub fn word(&mut self) -> Read_<u32> {
+    pub fn word(&mut self) -> ReadResult<u32> {
         Ok(u32::from_le_bytes(self.take(4)?.try_into().unwrap_or_default()))
     }
 
     /// A data element: its type and its bytes.
-    pub fn element(&mut self) -> Read_<(u32, &'a [u8])> {
+    pub fn element(&mut self) -> ReadResult<(u32, &'a [u8])> {
         let first = self.word()?;
         // Up to four bytes lie in the tag itself.
         if first >> 16 != 0 {
@@ -57,7 +63,7 @@ impl<'a> Bytes<'a> {
     }
 
     /// A data element of this type.
-    pub fn expect(&mut self, kind: u32, what: &str) -> Read_<&'a [u8]> {
+    pub fn expect(&mut self, kind: u32, what: &str) -> ReadResult<&'a [u8]> {
         match self.element()? {
             (found, part) if found == kind => Ok(part),
             (found, _) => Err(format!("its {what} has data type {found}, not {kind}: the file is damaged")),

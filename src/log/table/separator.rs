@@ -1,39 +1,38 @@
 //! Rows of a table: how their cells are separated, and what numbers look like in them.
 
-use super::columns::{Columns, Role};
-use crate::log::format::quote;
+use super::columns::{ColumnRole, Columns};
 use crate::log::reading::Pose;
-use crate::log::text::real;
+use crate::log::values::{parse_real, quote};
 use std::borrow::Cow;
 
 /// What stands between cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::log) enum Rows {
+pub(crate) enum Separator {
     /// A character, with blanks around it or not.
-    By(char),
-    /// Blanks.
-    Blanks,
+    Character(char),
+    /// White space.
+    Whitespace,
 }
 
-impl Rows {
+impl Separator {
     /// As one of its lines shows.
-    pub fn of(line: &str) -> Rows {
+    pub fn of(line: &str) -> Separator {
         let two_numbers = |cell: &str| {
             let mut parts = cell.split_ascii_whitespace();
-            parts.clone().count() > 1 && parts.all(|part| real(part).is_some())
+            parts.clone().count() > 1 && parts.all(|part| parse_real(part).is_some())
         };
         match line {
-            _ if line.contains(';') => Rows::By(';'),
-            _ if line.trim().contains('\t') => Rows::By('\t'),
+            _ if line.contains(';') => Separator::Character(';'),
+            _ if line.trim().contains('\t') => Separator::Character('\t'),
             // Blanks between numbers with decimal commas.
-            _ if line.contains(',') && !line.split(',').any(two_numbers) => Rows::By(','),
-            _ => Rows::Blanks,
+            _ if line.contains(',') && !line.split(',').any(two_numbers) => Separator::Character(','),
+            _ => Separator::Whitespace,
         }
     }
 
     /// The cells of a line.
     pub fn split<'a>(self, line: &'a str) -> Vec<Cow<'a, str>> {
-        let Rows::By(separator) = self else { return line.split_whitespace().map(Cow::Borrowed).collect() };
+        let Separator::Character(separator) = self else { return line.split_whitespace().map(Cow::Borrowed).collect() };
         if line.contains('"') {
             let mut reader = ::csv::ReaderBuilder::new();
             let reader = reader.has_headers(false).delimiter(separator as u8);
@@ -46,8 +45,8 @@ impl Rows {
 
     /// Whether numbers may have a comma before their decimals.
     pub fn number(self, cell: &str) -> Option<f64> {
-        real(cell).or_else(|| match self {
-            Rows::By(',') if !cell.contains(',') => None,
+        parse_real(cell).or_else(|| match self {
+            Separator::Character(',') if !cell.contains(',') => None,
             _ if cell.matches(',').count() == 1 && !cell.contains('.') => cell.replace(',', ".").parse().ok(),
             _ => None,
         })
@@ -66,7 +65,7 @@ impl Rows {
             Ok(columns) => cells
                 .iter()
                 .zip(&columns)
-                .any(|(cell, column)| !matches!(column.role, Role::Skip | Role::Sensor) && words(cell)),
+                .any(|(cell, column)| !matches!(column.role, ColumnRole::Skip | ColumnRole::Sensor) && words(cell)),
             Err(_) => cells.iter().any(|cell| words(cell)),
         }
     }
@@ -84,8 +83,12 @@ impl Rows {
             let at = columns.iter().position(|column| column.role == role).ok_or("no pose")?;
             self.value(cells.get(at).map_or("", |cell| cell), columns[at].scale, name)
         };
-        let t = find(Role::T, "t")?;
-        let pose = Pose { x: find(Role::Px, "x")?, y: find(Role::Py, "y")?, heading: find(Role::Ph, "heading")? };
+        let t = find(ColumnRole::T, "t")?;
+        let pose = Pose {
+            x: find(ColumnRole::Px, "x")?,
+            y: find(ColumnRole::Py, "y")?,
+            heading: find(ColumnRole::Ph, "heading")?,
+        };
         if t.is_finite() { Ok((t, pose)) } else { Err(format!("t is {t}")) }
     }
 }
