@@ -16,8 +16,8 @@ mod draw;
 mod limit;
 #[path = "feature/line.rs"]
 mod line;
-#[path = "feature/near.rs"]
-mod near;
+#[path = "feature/spatial.rs"]
+mod spatial;
 #[path = "feature/phantom.rs"]
 mod phantom;
 #[path = "feature/ping.rs"]

@@ -10,7 +10,7 @@ use echogrid::output::{MapWriter, Outline, RunInfo, check, read_map};
 use echogrid::pipeline::layers;
 use echogrid::pipeline::out_of_core::{self, Plan};
 use echogrid::pipeline::session::{Request, Session};
-use echogrid::world::{Rig, World, simulate};
+use echogrid::world::{Rig, Simulation, World, simulate};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,8 @@ fn log(folder: &Path, rig: &str) -> PathBuf {
     let world = World::parse(Path::new("c.toml"), "[campus]\nseed = 4\nwidth = 75\nheight = 70\n").unwrap();
     let path = folder.join("campus.jsonl");
     let file = std::fs::File::create(&path).unwrap();
-    simulate(&world, &Rig::named(rig).unwrap(), 2, Some(2600), file, &|_| {}).unwrap();
+    simulate(&Simulation { world: &world, rig: &Rig::named(rig).unwrap(), seed: 2, scans: Some(2600) }, file, &|_| {})
+        .unwrap();
     path
 }
 

@@ -13,7 +13,7 @@ use echogrid::oracle::{self, Region};
 use echogrid::pipeline::finished::Finished;
 use echogrid::pipeline::session::{Request, Session};
 use echogrid::pipeline::step::{By, Cell, Stepper, explain};
-use echogrid::world::{Rig, World, simulate};
+use echogrid::world::{Rig, Simulation, World, simulate};
 use std::path::{Path, PathBuf};
 
 /// A log of so many scans of a small campus.
@@ -21,7 +21,8 @@ fn log(folder: &Path, rig: &str, scans: u64) -> PathBuf {
     let world = World::parse(Path::new("c.toml"), "[campus]\nseed = 4\nwidth = 40\nheight = 35\n").unwrap();
     let path = folder.join(format!("{rig}.jsonl"));
     let file = std::fs::File::create(&path).unwrap();
-    simulate(&world, &Rig::named(rig).unwrap(), 2, Some(scans), file, &|_| {}).unwrap();
+    simulate(&Simulation { world: &world, rig: &Rig::named(rig).unwrap(), seed: 2, scans: Some(scans) }, file, &|_| {})
+        .unwrap();
     path
 }
 

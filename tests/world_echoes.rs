@@ -4,7 +4,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy.toml allows them in test functions; here are helpers")]
 
-use echogrid::world::{Rig, World, simulate};
+use echogrid::world::rig::Noise;
+use echogrid::world::{Rig, Simulation, World, simulate};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -118,10 +119,10 @@ fn shipped(name: &str) -> String {
 fn log(world: &str, bounces: u8, path: &Path) {
     let mut rig = Rig::named("dense").unwrap();
     (rig.spurious, rig.cross_talk, rig.physics.flutter, rig.physics.bounces) = (0.0, 0.0, 0.0, bounces);
-    rig.transducers.iter_mut().for_each(|t| t.noise = (0.0, 0.0));
+    rig.transducers.iter_mut().for_each(|t| t.noise = Noise { metres: 0.0, share: 0.0 });
     let world = World::parse(Path::new("world.toml"), world).unwrap();
     let file = BufWriter::new(File::create(path).unwrap());
-    simulate(&world, &rig, 1, None, file, &|_| {}).unwrap();
+    simulate(&Simulation { world: &world, rig: &rig, seed: 1, scans: None }, file, &|_| {}).unwrap();
 }
 
 /// What the script says of the log of one world, set against another: whether all readings agree, and its words.

@@ -8,7 +8,8 @@ use echogrid::log::Options as LogOptions;
 use echogrid::method::settings::Settings;
 use echogrid::pipeline::session::{Request, Session};
 use echogrid::sensor::Overrides;
-use echogrid::world::{Rig, World, scan, simulate};
+use echogrid::world::rig::Noise;
+use echogrid::world::{Rig, Simulation, World, scan, simulate};
 use std::path::Path;
 
 fn shipped(name: &str) -> World {
@@ -19,7 +20,7 @@ fn shipped(name: &str) -> World {
 fn mapped(world: &World, rig: &Rig, seed: u64, method: &str, hit_range: Option<f64>) -> Numbers {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("log.jsonl");
-    simulate(world, rig, seed, None, std::fs::File::create(&log).unwrap(), &|_| {}).unwrap();
+    simulate(&Simulation { world, rig, seed, scans: None }, std::fs::File::create(&log).unwrap(), &|_| {}).unwrap();
     let overrides = Overrides { epsilon: Some(0.05), no_echo_range: Some(0.0), hit_range, ..Overrides::default() };
     let request = Request {
         log: LogOptions { overrides, ..LogOptions::default() },
@@ -70,12 +71,12 @@ fn echoes_from_beyond_two_metres_are_the_danger() {
 fn a_centimetre_of_noise_is_a_centimetre_of_spread_and_little_danger() {
     let world = shipped("bend.toml");
     let mut noisy = Rig::named("dense").unwrap();
-    noisy.transducers[0].noise = (0.01, 0.0);
+    noisy.transducers[0].noise = Noise { metres: 0.01, share: 0.0 };
     let mut clean = noisy.clone();
     (clean.spurious, clean.cross_talk, clean.physics.flutter) = (0.0, 0.0, 0.0);
     let mut silent = clean.clone();
-    silent.transducers[0].noise = (0.0, 0.0);
-    let differences: Vec<f64> = (0..world.stops.len() as u64)
+    silent.transducers[0].noise = Noise { metres: 0.0, share: 0.0 };
+    let differences: Vec<f64> = (0..world.trajectory.len() as u64)
         .flat_map(|k| scan(&world, &clean, 4, k).into_iter().zip(scan(&world, &silent, 4, k)))
         .filter(|(a, b)| a.range.is_finite() && b.range.is_finite())
         .map(|(a, b)| a.range - b.range)
@@ -111,9 +112,9 @@ fn turned(degrees: f64) -> World {
 fn a_turned_world_sounds_as_it_did() {
     let mut rig = Rig::named("ring24").unwrap();
     (rig.spurious, rig.cross_talk, rig.physics.flutter) = (0.0, 0.0, 0.0);
-    rig.transducers.iter_mut().for_each(|t| t.noise = (0.0, 0.0));
+    rig.transducers.iter_mut().for_each(|t| t.noise = Noise { metres: 0.0, share: 0.0 });
     let readings = |world: &World| -> Vec<f64> {
-        (0..world.stops.len() as u64).flat_map(|k| scan(world, &rig, 1, k)).map(|r| r.range).collect()
+        (0..world.trajectory.len() as u64).flat_map(|k| scan(world, &rig, 1, k)).map(|r| r.range).collect()
     };
     let straight = readings(&turned(0.0));
     for degrees in [7.0, 90.0, 181.3] {

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
 
 use echogrid::log::reading::Record;
-use echogrid::world::{Rig, World, scan, simulate};
+use echogrid::world::rig::Noise;
+use echogrid::world::{Rig, Simulation, World, scan, simulate};
 use std::path::Path;
 
 fn shipped(name: &str) -> World {
@@ -14,13 +15,13 @@ fn shipped(name: &str) -> World {
 fn clean(name: &str) -> Rig {
     let mut rig = Rig::named(name).unwrap();
     (rig.spurious, rig.cross_talk, rig.physics.flutter) = (0.0, 0.0, 0.0);
-    rig.transducers.iter_mut().for_each(|t| t.noise = (0.0, 0.0));
+    rig.transducers.iter_mut().for_each(|t| t.noise = Noise { metres: 0.0, share: 0.0 });
     rig
 }
 
 fn log(world: &World, rig: &Rig, seed: u64, threads: usize) -> Vec<u8> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| simulate(world, rig, seed, Some(30), Vec::new(), &|_| {})).unwrap().1
+    pool.install(|| simulate(&Simulation { world, rig, seed, scans: Some(30) }, Vec::new(), &|_| {})).unwrap().1
 }
 
 fn off(r: &Record, bearing: f64) -> f64 {
@@ -31,8 +32,9 @@ fn off(r: &Record, bearing: f64) -> f64 {
 /// The share of readings without an echo over all stops.
 fn missing(name: &str) -> f64 {
     let world = shipped(name);
-    let all: Vec<Record> =
-        (0..world.stops.len() as u64 * 3).flat_map(|k| scan(&world, &Rig::named("dense").unwrap(), 5, k)).collect();
+    let all: Vec<Record> = (0..world.trajectory.len() as u64 * 3)
+        .flat_map(|k| scan(&world, &Rig::named("dense").unwrap(), 5, k))
+        .collect();
     all.iter().filter(|r| r.range == f64::INFINITY).count() as f64 / all.len() as f64
 }
 
@@ -92,7 +94,7 @@ fn phantoms_behind_walls_come_through_mirrors() {
             let pairs = scan(&world, &rig, 1, k).into_iter().zip(scan(&world, &bare, 1, k));
             pairs.filter(|(r, b)| r.range.is_finite() && r.range > b.range + 1.0).count()
         };
-        (0..world.stops.len() as u64).map(through).sum::<usize>()
+        (0..world.trajectory.len() as u64).map(through).sum::<usize>()
     };
     let (one, three) = (long(1), long(3));
     eprintln!("echoes 1 m beyond the nearest surface: {one} with one bounce, {three} with three");
@@ -148,7 +150,7 @@ fn every_shipped_world_opens_and_every_rig_reads_it() {
     for name in ["room", "bend", "cartons", "floor", "campus"] {
         let world = shipped(&format!("{name}.toml"));
         let [x0, y0, x1, y1] = world.bounds();
-        assert!(world.scans().iter().all(|s| x0 < s.0 && s.0 < x1 && y0 < s.1 && s.1 < y1), "{name}");
+        assert!(world.scans().iter().all(|s| x0 < s.x && s.x < x1 && y0 < s.y && s.y < y1), "{name}");
         for rig in echogrid::world::RIGS {
             let rig = Rig::named(rig).unwrap();
             let records = scan(&world, &rig, 1, 0);
@@ -206,7 +208,7 @@ fn a_hair_of_overlap_costs_no_corner() {
     let missing = |y: &str| {
         let world =
             World::parse(Path::new("bend.toml"), &text.replace("[4.215, 0.219]", &format!("[4.215, {y}]"))).unwrap();
-        let all = (0..world.stops.len() as u64).flat_map(|k| scan(&world, &clean("dense"), 1, k));
+        let all = (0..world.trajectory.len() as u64).flat_map(|k| scan(&world, &clean("dense"), 1, k));
         all.filter(|r| r.range == f64::INFINITY).count() as f64
     };
     let flush = missing("0.22");

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
 
+use echogrid::geometry::plane::Point;
 use echogrid::grid::GridSpec;
 use echogrid::world::{World, true_map};
 use std::path::Path;
@@ -75,14 +76,14 @@ fn what_is_hidden_or_far_is_unknown() {
     let more = "[[box]]\ncentre = [2.3, 1.0]\nsize = [0.4, 0.4]\n[[circle]]\ncentre = [4.0, 3.0]\nradius = 0.2\n";
     let world = room(0.0, 0.0, more);
     let grid = GridSpec::from_bounds([0.0, 0.0, 5.0, 4.0], 0.1).unwrap();
-    let map = true_map(&world, &[(1.5, 1.05)], &grid, 5.0);
+    let map = true_map(&world, &[Point::new(1.5, 1.05)], &grid, 5.0);
     let at = |x: f64, y: f64| map[(y / 0.1) as usize * grid.width + (x / 0.1) as usize];
     // the box's left face is seen, its right face and the wall behind it are not; its inside never
     assert_eq!([at(2.15, 1.05), at(2.55, 1.05), at(4.65, 1.05), at(3.5, 1.05), at(2.3, 1.0)], [1, 0, 0, 0, 0]);
     assert_eq!([at(1.05, 1.05), at(0.05, 1.05), at(4.95, 3.95)], [-1, 1, 0]);
     // the circle: its near side, not its far side
     assert_eq!([at(3.85, 2.85), at(4.15, 3.15)], [1, 0]);
-    let near = true_map(&world, &[(1.5, 1.05)], &grid, 1.0);
+    let near = true_map(&world, &[Point::new(1.5, 1.05)], &grid, 1.0);
     assert!(count(&near, -1) < count(&map, -1) && near[10 * grid.width] == 0, "beyond 1 m nothing is known");
 }
 

@@ -72,7 +72,7 @@ pub fn walls(workload: &Workload) -> Vec<Update> {
         let (pose, beta) = (reading.record.pose, workload.sensors[reading.record.sensor as usize].half_width);
         let at = |turn: f64, d: f64| {
             let bearing = pose.heading + turn;
-            (pose.x + d * bearing.cos(), pose.y + d * bearing.sin())
+            Point::new(pose.x + d * bearing.cos(), pose.y + d * bearing.sin())
         };
         // To the right of the axis and, aslant, to its left.
         let sides = [

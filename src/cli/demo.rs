@@ -11,7 +11,7 @@ use crate::method::{REGISTRY, settings::Settings};
 use crate::output::{Folder, Report, Unfinished};
 use crate::pipeline::session::{Request, Session};
 use crate::sensor::Overrides;
-use crate::world::{Shipped, World, simulate};
+use crate::world::{Shipped, Simulation, World, simulate};
 use crate::{Error, Result};
 use clap::ValueHint;
 use std::fs::File;
@@ -57,7 +57,8 @@ impl Demo {
         std::fs::write(&file, world_text()).map_err(unwritable)?;
         let world = World::open(&file)?;
         let out = BufWriter::new(File::create(&log).map_err(unwritable)?);
-        let (done, _) = simulate(&world, &world.rig, SEED, None, out, &|_| {})?;
+        let (done, _) =
+            simulate(&Simulation { world: &world, rig: &world.rig, seed: SEED, scans: None }, out, &|_| {})?;
         say!(
             "A sonar turns in a bent corridor: {} readings in {} scans, {:.0} % without an echo.",
             done.readings,

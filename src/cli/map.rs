@@ -252,11 +252,11 @@ pub fn save(
     seconds: Vec<(String, f64)>,
     npy: bool,
 ) -> Result<Report> {
-    let features = mapped.found.as_ref().map(feature::Found::summary);
+    let features = mapped.found.as_ref().map(feature::StageResult::summary);
     let info = RunInfo { features, ..run_info(session, ran, mapped.counts, seconds)? };
     let report = output::write_map(folder, &mapped.finished.map, &mapped.finished.combined, &info, npy)?;
     if let Some(found) = &mapped.found {
-        output::write_features(folder.path(), &found.known, &session.grid)?;
+        output::write_features(folder.path(), &found.feature_map, &session.grid)?;
     }
     Ok(report)
 }

@@ -3,7 +3,7 @@
 use super::common::{bar, threads, use_threads};
 use super::offered::Offered;
 use super::{interrupt, note, say};
-use crate::world::{Rig, SHIPPED, Shipped, World, simulate};
+use crate::world::{Rig, SHIPPED, Shipped, Simulation, World, simulate};
 use crate::{Error, Result};
 use clap::ValueHint;
 use std::fs::File;
@@ -66,10 +66,13 @@ impl Simulate {
         use_threads(self.threads)?;
         let to_stdout = output == Path::new("-");
         let out = Target::open(output)?;
-        let bar = bar(self.scans.unwrap_or(world.stops.len() as u64), "simulating", self.quiet);
+        let bar = bar(self.scans.unwrap_or(world.trajectory.len() as u64), "simulating", self.quiet);
         let started = Instant::now();
         let out = BufWriter::with_capacity(1 << 20, out);
-        let (done, out) = simulate(&world, &rig, self.seed, self.scans, out, &|n| bar.set_position(n))?;
+        let (done, out) =
+            simulate(&Simulation { world: &world, rig: &rig, seed: self.seed, scans: self.scans }, out, &|n| {
+                bar.set_position(n)
+            })?;
         drop(bar);
         out.into_inner().map_err(|e| unwritable(output, e))?.finish(output)?;
         let seconds = started.elapsed().as_secs_f64();

@@ -70,7 +70,7 @@ impl Command {
             say!(
                 "{}, seen from {} places up to {r_max} m: {} × {} cells of {} m; {} occupied, {} empty, {} unknown",
                 world.name,
-                world.stops.len(),
+                world.trajectory.len(),
                 c.width,
                 c.height,
                 c.resolution,

@@ -1,48 +1,50 @@
-//! Which feature a reading came from, and with what probability.
+//! The association of a reading with features, with probabilities.
 
 use super::features::Features;
 use super::ping::Ping;
 use super::rules::Rules;
-use crate::geometry::plane::{Point, add, cross, distance, dot, from_segment, sub, times};
+use crate::geometry::plane::{Point, distance_to_segment};
+use nalgebra::distance;
 
-/// Deviation of a range, and of a projected point from its wall, metres.
+/// Standard deviation of a range, and of the projected point's distance from its wall, metres.
 const SIGMA: f64 = 0.05;
-/// The paper's deviation of a projected point from its corner, metres.
-const PAPER: f64 = 0.20;
+/// Standard deviation of the projected point's distance from its corner by the paper's rules, metres.
+const PAPER_SIGMA: f64 = 0.20;
 
-/// The best of each kind: which, and P(z = it).
+/// The likeliest feature of each kind: its index, and the probability that the reading came from it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Association {
     /// A wall.
     pub wall: Option<(usize, f64)>,
     /// A corner.
     pub corner: Option<(usize, f64)>,
-    /// A point, where it exceeds twice the others.
-    pub spot: Option<(usize, f64)>,
+    /// A point, where its probability exceeds twice the others.
+    pub point: Option<(usize, f64)>,
 }
 
 impl Association {
     /// P(z = w), P(z = c), P(z = p).
     pub fn weights(&self) -> [f64; 3] {
-        [self.wall, self.corner, self.spot].map(|f| f.map_or(0.0, |(_, p)| p))
+        [self.wall, self.corner, self.point].map(|f| f.map_or(0.0, |(_, p)| p))
     }
 
-    /// P(z = o).
+    /// P(z = o): the reading came from none of them.
     pub fn other(&self) -> f64 {
         self.weights().iter().map(|p| 1.0 - p).product()
     }
 
-    /// The likeliest.
+    /// The largest of the probabilities.
     pub fn best(&self) -> f64 {
         self.weights().into_iter().fold(0.0, f64::max)
     }
 }
 
-fn bell(d: f64, sigma: f64) -> f64 {
+/// exp(−d²/2σ²).
+fn gaussian(d: f64, sigma: f64) -> f64 {
     (-d * d / (2.0 * sigma * sigma)).exp()
 }
 
-/// Where a reading's echo may have come from.
+/// Associates a reading of range `z`, metres.
 pub fn associate(ping: &Ping, z: f64, features: &Features, rules: &Rules) -> Association {
     let mut found = Association::default();
     let better = |best: &mut Option<(usize, f64)>, k: usize, p: f64| {
@@ -50,23 +52,23 @@ pub fn associate(ping: &Ping, z: f64, features: &Features, rules: &Rules) -> Ass
             *best = Some((k, p));
         }
     };
-    let tip = add(ping.at, times(ping.axis, z));
+    let tip = ping.at + ping.axis * z;
     for (k, wall) in features.walls.iter().enumerate().filter(|(_, w)| w.front(ping.at) > 0.0) {
         let [a, b] = wall.ends();
-        better(&mut found.wall, k, bell(from_segment(tip, a, b), SIGMA));
+        better(&mut found.wall, k, gaussian(distance_to_segment(tip, a, b), SIGMA));
     }
     let bearing = |at: Point| {
-        let v = sub(at, ping.at);
-        cross(ping.axis, v).atan2(dot(ping.axis, v)).abs()
+        let v = at - ping.at;
+        ping.axis.perp(&v).atan2(ping.axis.dot(&v)).abs()
     };
     if rules.corners {
         for (k, corner) in features.corners.iter().enumerate() {
             let p = if rules.paper {
-                bell(distance(tip, corner.at), PAPER)
+                gaussian(distance(&tip, &corner.at), PAPER_SIGMA)
             } else {
                 let faced = corner.walls.iter().all(|w| features.walls[*w].front(ping.at) > 0.0);
                 if faced && bearing(corner.at) <= ping.half_width {
-                    bell(z - distance(ping.at, corner.at), SIGMA)
+                    gaussian(z - distance(&ping.at, &corner.at), SIGMA)
                 } else {
                     0.0
                 }
@@ -75,15 +77,15 @@ pub fn associate(ping: &Ping, z: f64, features: &Features, rules: &Rules) -> Ass
         }
     }
     if rules.points {
-        for (k, spot) in features.spots.iter().enumerate() {
-            let seen = bearing(spot.at) <= ping.half_width;
-            better(&mut found.spot, k, if seen { bell(z - distance(ping.at, spot.at), SIGMA) } else { 0.0 });
+        for (k, point) in features.points.iter().enumerate() {
+            let seen = bearing(point.at) <= ping.half_width;
+            better(&mut found.point, k, if seen { gaussian(z - distance(&ping.at, &point.at), SIGMA) } else { 0.0 });
         }
-        let [wall, corner, spot] = found.weights();
-        if spot > 2.0 * wall.max(corner) {
+        let [wall, corner, point] = found.weights();
+        if point > 2.0 * wall.max(corner) {
             (found.wall, found.corner) = (None, None);
         } else {
-            found.spot = None;
+            found.point = None;
         }
     }
     found

@@ -1,142 +1,143 @@
-//! The free limit: how far from a sensor, at each bearing, the cells may be freed. Walls end it, and between two features' ends the
-//! *safe line* that joins them: what lies behind it no echo has told of.
+//! The free limit: the range up to which cells may be freed at each bearing of a sensor. It ends at walls, and between the
+//! endpoints of two features at the *safe line* that joins them: no echo has come from behind it.
 
-use super::features::{Features, Wall, hit};
-use crate::geometry::plane::{Point, cross, distance, dot, from_segment, sub, times, unit};
+use super::features::{Features, Wall};
+use crate::geometry::plane::{Point, Vector, distance_to_segment, intersect_ray, left_normal, unit};
+use nalgebra::{UnitComplex, distance};
 
-/// An end hidden by something that is nearer by this, metres, isn't seen.
+/// An endpoint is hidden by what is nearer than it by this, metres.
 const HIDDEN: f64 = 0.10;
-/// A safe line before a wall is no longer, metres.
-const SHORT: f64 = 1.2;
-/// Freeing ends so many cells before the last that a line passes through.
+/// The longest safe line in front of a wall, metres.
+const MAX_LENGTH: f64 = 1.2;
+/// Freeing ends this far before the cells that a line passes through, cells.
 const SLACK: f64 = 0.1;
-/// Freeing ends so many cells before a single end.
-const BEFORE: f64 = 0.6;
+/// Freeing ends this far before a single endpoint, cells.
+const ENDPOINT_MARGIN: f64 = 0.6;
 
-/// A wall's end, a corner or a point.
+/// The end of a wall, a corner or a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct End {
-    /// Where, metres.
+pub struct Endpoint {
+    /// Its position, metres.
     pub at: Point,
-    /// The wall that ends there.
+    /// The index of the wall that ends there.
     pub wall: Option<usize>,
-    /// The point that it is.
-    pub spot: Option<usize>,
+    /// The index of the point that it is.
+    pub point: Option<usize>,
 }
 
-/// What ends what may be freed.
+/// What limits freeing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum By {
-    /// A wall, or the leg to a corner.
+pub enum LimitKind {
+    /// A wall, or one extrapolated to a corner.
     Wall,
-    /// The line between two ends, or a single end.
-    Line,
+    /// The line between two endpoints, or a single endpoint.
+    SafeLine,
     /// Nothing.
-    Nothing,
+    Unlimited,
 }
 
 /// A free limit at a bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
-    /// Metres; infinite where nothing ends it.
+    /// Metres; infinite where there is no limit.
     pub distance: f64,
-    /// Up to where cells may be freed: before any cell that the limit passes through, metres.
-    pub before: f64,
-    /// What it is.
-    pub by: By,
-    /// Length of the safe line between two ends, metres.
+    /// The range up to which cells may be freed, metres: it ends before the cells that the limit passes through.
+    pub free: f64,
+    /// What limits.
+    pub kind: LimitKind,
+    /// The length of the safe line, metres; infinite for a single endpoint.
     pub length: f64,
 }
 
 /// No limit.
-const NOTHING: Limit = Limit { distance: f64::INFINITY, before: f64::INFINITY, by: By::Nothing, length: f64::INFINITY };
+const UNLIMITED: Limit =
+    Limit { distance: f64::INFINITY, free: f64::INFINITY, kind: LimitKind::Unlimited, length: f64::INFINITY };
 
-/// A segment that ends sight, or freeing.
+/// A segment that blocks sight, or limits freeing.
 #[derive(Debug, Clone, Copy)]
 struct Blocker {
     segment: [Point; 2],
-    /// Its unit normal, and how far before it, along that, freeing ends, metres.
-    normal: Point,
+    /// Its unit normal.
+    normal: Vector,
+    /// The distance before it, along the normal, at which freeing ends, metres.
     depth: f64,
 }
 
 impl Blocker {
     fn new(segment: [Point; 2], resolution: f64) -> Blocker {
-        let along = unit(sub(segment[1], segment[0]));
-        let normal = (-along.1, along.0);
-        // A line passes through the cells whose centre is so near.
-        let depth = resolution * (0.5 * (normal.0.abs() + normal.1.abs()) + SLACK);
+        let along = unit(segment[1] - segment[0]);
+        let normal = left_normal(along);
+        // A line passes through the cells whose centres are no farther from it.
+        let depth = resolution * (0.5 * (normal.x.abs() + normal.y.abs()) + SLACK);
         Blocker { segment, normal, depth }
     }
 
-    /// As a limit on a ray that meets it after `d` metres.
-    fn limit(&self, ray: Point, d: f64, by: By) -> Limit {
-        let before = (d - self.depth / dot(self.normal, ray).abs().max(1e-9)).max(0.0);
-        Limit { distance: d, before, by, length: distance(self.segment[0], self.segment[1]) }
+    /// The limit on a ray that meets it after `d` metres.
+    fn limit(&self, ray: Vector, d: f64, kind: LimitKind) -> Limit {
+        let free = (d - self.depth / self.normal.dot(&ray).abs().max(1e-9)).max(0.0);
+        Limit { distance: d, free, kind, length: distance(&self.segment[0], &self.segment[1]) }
     }
 }
 
-/// What stands near a place.
+/// The walls, safe lines and endpoints near a position.
 #[derive(Debug, Clone)]
-pub struct View<'a> {
+pub struct Obstacles<'a> {
     walls: &'a [Wall],
     blockers: Vec<Blocker>,
     lines: Vec<Blocker>,
-    ends: Vec<End>,
+    ends: Vec<Endpoint>,
     resolution: f64,
 }
 
-impl<'a> View<'a> {
-    /// What stands within so many metres of a place; `resolution` is the edge of a cell.
-    pub fn of(features: &'a Features, place: Point, reach: f64, resolution: f64) -> View<'a> {
-        let near = |s: &[Point; 2]| from_segment(place, s[0], s[1]) <= reach;
+impl<'a> Obstacles<'a> {
+    /// The obstacles within `reach` metres of a position; `resolution` is the edge of a cell, metres.
+    pub fn near(features: &'a Features, place: Point, reach: f64, resolution: f64) -> Obstacles<'a> {
+        let near = |s: &[Point; 2]| distance_to_segment(place, s[0], s[1]) <= reach;
         let block = |s: [Point; 2]| Blocker::new(s, resolution);
         let of_walls = features
             .walls
             .iter()
             .enumerate()
-            .flat_map(|(k, w)| w.ends().map(|at| End { at, wall: Some(k), spot: None }));
-        let of_spots = features.spots.iter().enumerate().map(|(k, s)| End { at: s.at, wall: None, spot: Some(k) });
-        let of_corners = features.corners.iter().map(|c| End { at: c.at, wall: None, spot: None });
-        View {
+            .flat_map(|(k, w)| w.ends().map(|at| Endpoint { at, wall: Some(k), point: None }));
+        let of_points =
+            features.points.iter().enumerate().map(|(k, s)| Endpoint { at: s.at, wall: None, point: Some(k) });
+        let of_corners = features.corners.iter().map(|c| Endpoint { at: c.at, wall: None, point: None });
+        Obstacles {
             walls: &features.walls,
             blockers: features.blockers().filter(near).map(block).collect(),
             lines: features.lines.iter().copied().filter(near).map(block).collect(),
-            ends: of_walls.chain(of_spots).chain(of_corners).filter(|e| distance(e.at, place) <= reach).collect(),
+            ends: of_walls.chain(of_points).chain(of_corners).filter(|e| distance(&e.at, &place) <= reach).collect(),
             resolution,
         }
     }
 
-    /// How far the first wall or leg is along a ray, metres.
-    pub fn first(&self, from: Point, ray: Point) -> Option<f64> {
+    /// The distance to the first wall along a ray, metres.
+    pub fn first_wall(&self, from: Point, ray: Vector) -> Option<f64> {
         nearest(&self.blockers, from, ray).map(|(d, _)| d)
     }
 
     fn sees(&self, from: Point, at: Point) -> bool {
-        let far = distance(from, at);
-        let ray = times(sub(at, from), 1.0 / far);
-        !self.blockers.iter().any(|b| hit(from, ray, b.segment).is_some_and(|d| d < far - HIDDEN))
+        let far = distance(&from, &at);
+        let ray = (at - from) * (1.0 / far);
+        !self.blockers.iter().any(|b| intersect_ray(from, ray, b.segment).is_some_and(|d| d < far - HIDDEN))
     }
 
-    /// What a sensor has before it: `half_width` radians to each side of its axis, and ends up to `aside` radians (at most 90°)
-    /// off the axis; `counts` says which ends are to count.
+    /// The obstacles in front of a sensor: those within `half_width` radians of its axis, and the endpoints up to `aside` radians
+    /// (at most 90°) off the axis that `counts` accepts.
     pub fn sector(
         &self,
-        (from, axis): (Point, Point),
+        (from, axis): (Point, Vector),
         half_width: f64,
         aside: f64,
-        counts: impl Fn(&End) -> bool,
+        counts: impl Fn(&Endpoint) -> bool,
     ) -> Sector<'_> {
-        let (sin, cos) = half_width.sin_cos();
-        let (right, left) = (
-            (axis.0 * cos + axis.1 * sin, axis.1 * cos - axis.0 * sin),
-            (axis.0 * cos - axis.1 * sin, axis.1 * cos + axis.0 * sin),
-        );
-        // A hair wider, so that rounding loses nothing.
+        let turn = UnitComplex::new(half_width);
+        let (right, left) = (turn.inverse() * axis, turn * axis);
+        // Slightly wider, so that rounding loses nothing.
         let inside = |b: &&Blocker| {
-            let [u, v] = b.segment.map(|p| sub(p, from));
-            let beside = |edge: Point, side: f64| side * cross(edge, u) < -1e-9 && side * cross(edge, v) < -1e-9;
-            !beside(right, 1.0) && !beside(left, -1.0) && (dot(axis, u) > 0.0 || dot(axis, v) > 0.0)
+            let [u, v] = b.segment.map(|p| p - from);
+            let beside = |edge: Vector, side: f64| side * edge.perp(&u) < -1e-9 && side * edge.perp(&v) < -1e-9;
+            !beside(right, 1.0) && !beside(left, -1.0) && (axis.dot(&u) > 0.0 || axis.dot(&v) > 0.0)
         };
         let within = |all: &[Blocker]| all.iter().filter(inside).copied().collect();
         Sector {
@@ -144,26 +145,32 @@ impl<'a> View<'a> {
             from,
             blockers: within(&self.blockers),
             lines: within(&self.lines),
-            ends: self.seen((from, axis), sin, aside.sin(), counts),
+            ends: self.seen((from, axis), half_width.sin(), aside.sin(), counts),
             resolution: self.resolution,
         }
     }
 
-    /// The ends seen in a cone, and the next on each side of it, from right to left.
-    fn seen(&self, (from, axis): (Point, Point), cone: f64, aside: f64, counts: impl Fn(&End) -> bool) -> Vec<Seen> {
-        let seen = |end: &End| {
-            let v = sub(end.at, from);
-            let far = dot(v, v).sqrt();
-            let side = cross(axis, v) / far;
-            (far > 1e-6 && dot(axis, v) >= 0.0 && side.abs() <= aside).then_some(Seen {
+    /// The visible endpoints in a beam, and the next one on each side of it, from right to left; `cone` and `aside` are sines.
+    fn seen(
+        &self,
+        (from, axis): (Point, Vector),
+        cone: f64,
+        aside: f64,
+        counts: impl Fn(&Endpoint) -> bool,
+    ) -> Vec<VisibleEnd> {
+        let seen = |end: &Endpoint| {
+            let v = end.at - from;
+            let far = v.norm();
+            let side = axis.perp(&v) / far;
+            (far > 1e-6 && axis.dot(&v) >= 0.0 && side.abs() <= aside).then_some(VisibleEnd {
                 side,
                 distance: far,
                 end: *end,
             })
         };
-        let mut all: Vec<Seen> = self.ends.iter().filter(|e| counts(e)).filter_map(seen).collect();
+        let mut all: Vec<VisibleEnd> = self.ends.iter().filter(|e| counts(e)).filter_map(seen).collect();
         all.sort_by(|a, b| a.side.total_cmp(&b.side));
-        let sees = |s: &&Seen| self.sees(from, s.end.at);
+        let sees = |s: &&VisibleEnd| self.sees(from, s.end.at);
         let (low, high) = (all.partition_point(|s| s.side < -cone), all.partition_point(|s| s.side <= cone));
         let right = all[..low].iter().rev().find(sees);
         let left = all[high..].iter().find(sees);
@@ -171,32 +178,32 @@ impl<'a> View<'a> {
     }
 }
 
-/// An end as a sensor sees it.
+/// An endpoint as a sensor sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Seen {
-    /// Sine of its angle off the axis, to the left.
+struct VisibleEnd {
+    /// The sine of its bearing off the axis, to the left.
     side: f64,
     /// Metres.
     distance: f64,
-    end: End,
+    end: Endpoint,
 }
 
-/// What a sensor has before it.
+/// The obstacles in front of a sensor.
 #[derive(Debug, Clone)]
 pub struct Sector<'a> {
     walls: &'a [Wall],
     from: Point,
     blockers: Vec<Blocker>,
     lines: Vec<Blocker>,
-    ends: Vec<Seen>,
+    ends: Vec<VisibleEnd>,
     resolution: f64,
 }
 
 impl Sector<'_> {
-    /// The limit along a ray whose angle off the axis has that sine, to the left.
-    pub fn limit(&self, ray: Point, side: f64) -> Limit {
-        let met = |all: &[Blocker], by: By| nearest(all, self.from, ray).map(|(d, b)| b.limit(ray, d, by));
-        let (wall, line) = (met(&self.blockers, By::Wall), met(&self.lines, By::Line));
+    /// The limit along a ray; `side` is the sine of its bearing off the axis, to the left.
+    pub fn limit(&self, ray: Vector, side: f64) -> Limit {
+        let met = |all: &[Blocker], kind: LimitKind| nearest(all, self.from, ray).map(|(d, b)| b.limit(ray, d, kind));
+        let (wall, line) = (met(&self.blockers, LimitKind::Wall), met(&self.lines, LimitKind::SafeLine));
         let split = self.ends.partition_point(|s| s.side < side);
         let (right, left) = (split.checked_sub(1).map(|k| self.ends[k]), self.ends.get(split).copied());
         let between = match (right, left) {
@@ -205,31 +212,31 @@ impl Sector<'_> {
             _ => None,
         };
         let all = [wall, line, between].into_iter().flatten();
-        all.min_by(|a, b| a.distance.total_cmp(&b.distance)).unwrap_or(NOTHING)
+        all.min_by(|a, b| a.distance.total_cmp(&b.distance)).unwrap_or(UNLIMITED)
     }
 
-    /// The safe line between two ends; before a wall only where it is short and both of its ends are nearer.
-    fn between(&self, ray: Point, a: Seen, b: Seen, wall: Option<Limit>) -> Option<Limit> {
+    /// The safe line between two endpoints; in front of a wall only if it is short and both endpoints are nearer than the wall.
+    fn between(&self, ray: Vector, a: VisibleEnd, b: VisibleEnd, wall: Option<Limit>) -> Option<Limit> {
         let blocker = Blocker::new([a.end.at, b.end.at], self.resolution);
-        let line = blocker.limit(ray, hit(self.from, ray, blocker.segment)?, By::Line);
-        let before = |w: Limit| a.distance < w.distance && b.distance < w.distance && line.length <= SHORT;
-        wall.is_none_or(before).then_some(line)
+        let line = blocker.limit(ray, intersect_ray(self.from, ray, blocker.segment)?, LimitKind::SafeLine);
+        let in_front = |w: Limit| a.distance < w.distance && b.distance < w.distance && line.length <= MAX_LENGTH;
+        wall.is_none_or(in_front).then_some(line)
     }
 
-    /// With one end alone: its distance, or that to where its wall would go on.
-    fn single(&self, ray: Point, only: Seen) -> Limit {
-        let prolonged = only.end.wall.map(|w| self.walls[w].front(self.from) / dot(self.walls[w].normal, ray));
+    /// The limit at a single endpoint: its distance, or that to the prolongation of its wall if it is nearer.
+    fn single(&self, ray: Vector, only: VisibleEnd) -> Limit {
+        let prolonged = only.end.wall.map(|w| self.walls[w].front(self.from) / self.walls[w].normal.dot(&ray));
         let distance = prolonged.filter(|d| *d > 0.0).map_or(only.distance, |d| d.min(only.distance));
-        let before = (distance - BEFORE * self.resolution).max(0.0);
-        Limit { distance, before, by: By::Line, length: f64::INFINITY }
+        let free = (distance - ENDPOINT_MARGIN * self.resolution).max(0.0);
+        Limit { distance, free, kind: LimitKind::SafeLine, length: f64::INFINITY }
     }
 }
 
-/// The blocker that a ray meets first, and where.
-fn nearest(blockers: &[Blocker], from: Point, ray: Point) -> Option<(f64, &Blocker)> {
+/// The blocker that a ray meets first, and its distance, metres.
+fn nearest(blockers: &[Blocker], from: Point, ray: Vector) -> Option<(f64, &Blocker)> {
     let mut first: Option<(f64, &Blocker)> = None;
     for blocker in blockers {
-        if let Some(d) = hit(from, ray, blocker.segment)
+        if let Some(d) = intersect_ray(from, ray, blocker.segment)
             && first.is_none_or(|(f, _)| d < f)
         {
             first = Some((d, blocker));

@@ -1,21 +1,21 @@
-//! Regions of constant depth (Leonard & Durrant-Whyte 1992): successive bearings of a dense circular scan that hear the same range,
-//! because one surface sends it back.
+//! Regions of constant depth (Leonard & Durrant-Whyte 1992): successive bearings of a dense circular scan with the same range,
+//! because one surface returns the echoes.
 
 use super::ping::Ping;
-use crate::geometry::plane::{Point, add, cross, dot, sub, times};
+use crate::geometry::plane::{Point, Vector};
 use std::f64::consts::{PI, TAU};
 
-/// Bearings farther apart than this are no dense scan, radians.
+/// The largest step between the bearings of a dense scan, radians.
 const DENSE: f64 = 2.5 * PI / 180.0;
 /// Fewest readings of a region.
-const FEWEST: usize = 4;
-/// Two runs of one surface lie no more bearings apart.
-const GAP: usize = 3;
+const MIN_READINGS: usize = 4;
+/// Most bearings between two runs of one surface.
+const MAX_GAP: usize = 3;
 
-/// By how much an echo may be louder than the faintest that is heard at the farthest range.
-const LOUD: f64 = 1.5;
+/// The amplitude of the loudest echo, relative to the faintest that is detected at the farthest range.
+const LOUDEST: f64 = 1.5;
 
-/// What sent a region's echoes back.
+/// What returned the echoes of a region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// A plane: the region's centre is the foot of its normal.
@@ -27,49 +27,50 @@ pub enum Source {
 /// A region of constant depth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rcd {
-    /// Where the scan was taken, metres.
+    /// The position of the scan, metres.
     pub centre: Point,
-    /// The surface's nearest point, metres.
+    /// The nearest point of the surface, metres.
     pub foot: Point,
     /// Unit vector from `centre` to `foot`.
-    pub normal: Point,
-    /// From `centre` to `foot`, metres.
+    pub normal: Vector,
+    /// The distance from `centre` to `foot`, metres.
     pub range: f64,
-    /// Half of the length that is known, metres.
+    /// Half of the known length of the surface, metres.
     pub half: f64,
-    /// The scan.
+    /// The number of the scan.
     pub scan: u64,
-    /// What it is.
+    /// What returned the echoes.
     pub source: Source,
-    /// Whether its own readings told what it is; else others decide.
+    /// Whether `source` follows from its own readings; else other regions decide.
     pub fitted: bool,
-    /// Whether it is a feature by itself; else it takes another of the same.
+    /// Whether it is a feature by itself; else another region must confirm it.
     pub clear: bool,
-    /// Lines of the log between which its readings stand, first and last.
+    /// The first and the last line of the log with its readings.
     pub lines: [u64; 2],
-    /// How many echoes it has.
+    /// The number of its echoes.
     pub count: u32,
 }
 
-/// By how much echoes of one surface may differ at a range, metres: 3 cm, or five deviations of a sonar's noise.
+/// The largest difference between ranges of one surface, metres: 3 cm, or five standard deviations of a sonar's noise.
 pub fn tolerance(range: f64) -> f64 {
     (5.0 * (0.004 + 0.002 * range)).max(0.03)
 }
 
-/// Amplitude of an echo from so many metres, but for a constant (spreading and absorption of sound).
+/// The relative amplitude of an echo from `d` metres, by spreading and absorption of sound.
 fn amplitude(d: f64) -> f64 {
     (-0.36 * d).exp() / d
 }
 
-/// How far off the axis a plane at that range is still heard, radians, by a sensor that hears `gain` times as well as it needs to
-/// at its farthest range.
+/// The largest bearing off the axis at which a plane at that range is detected, radians, if amplitudes are `gain` times the least at
+/// the farthest range.
 fn visible(beta: f64, range: f64, r_max: f64, gain: f64) -> f64 {
     let (least, most) = (amplitude(r_max), amplitude(0.15));
     beta * ((gain * amplitude(range.clamp(0.15, r_max)) / least).ln() / (most / least).ln()).clamp(0.0, 1.0).sqrt()
 }
 
-/// A run of echoes: which pings, and their median range.
+/// A run of echoes of one surface.
 struct Run {
+    /// Indices of the pings.
     members: Vec<usize>,
     /// Ascending.
     ranges: Vec<f64>,
@@ -87,7 +88,7 @@ impl Run {
     }
 }
 
-/// The regions of one scan, if its bearings are dense; `pings` are the scan's, of one sensor, in any order.
+/// The regions of one scan, if its bearings are dense; `pings` are those of one sensor in one scan, in any order.
 pub fn regions(pings: &[Ping]) -> Vec<Rcd> {
     let mut order: Vec<&Ping> = pings.iter().collect();
     let bearing = |p: &Ping| p.record.pose.heading.rem_euclid(TAU);
@@ -100,7 +101,7 @@ pub fn regions(pings: &[Ping]) -> Vec<Rcd> {
         (true, Some(a), Some(b)) => (a - b).abs() <= tolerance(a),
         _ => false,
     };
-    // A circle is cut where no run crosses.
+    // The circle is cut where no run crosses.
     let Some(first) = (0..n).find(|k| !goes_on(*k)) else { return Vec::new() };
     let mut runs: Vec<Run> = Vec::new();
     let mut open = false;
@@ -123,27 +124,27 @@ pub fn regions(pings: &[Ping]) -> Vec<Rcd> {
     runs.iter().flat_map(|run| parts(&order, run, alpha)).collect()
 }
 
-/// The regions of a run: one, or two where it is wider than one surface is heard.
+/// The regions of a run: one, or two if it is wider than one surface can be detected.
 fn parts(order: &[&Ping], run: &Run, alpha: f64) -> Vec<Rcd> {
     let first = order[run.members[0]];
     let (range, beta) = (run.median(), first.half_width);
-    let fewest = FEWEST.max((0.6 * visible(beta, range, first.reach, 1.0) / alpha).ceil() as usize);
+    let fewest = MIN_READINGS.max((0.6 * visible(beta, range, first.reach, 1.0) / alpha).ceil() as usize);
     if run.members.len() < fewest {
         return Vec::new();
     }
-    let turned = |k: &usize| cross(first.axis, order[*k].axis).atan2(dot(first.axis, order[*k].axis)).rem_euclid(TAU);
+    let turned = |k: &usize| first.axis.perp(&order[*k].axis).atan2(first.axis.dot(&order[*k].axis)).rem_euclid(TAU);
     let span = run.members.iter().map(turned).fold(0.0, f64::max);
-    let most = 2.0 * visible(beta, range, first.reach, LOUD);
+    let most = 2.0 * visible(beta, range, first.reach, LOUDEST);
     if span <= most + 2.0 * alpha {
         return region(order, &run.members).into_iter().collect();
     }
-    // What is heard at either end of it, as far as one surface is.
+    // The part at either end, as wide as one surface can be detected.
     let within = |low: f64| {
         let own = move |k: &&usize| (low - 1e-9..=low + most + 1e-9).contains(&turned(k));
         run.members.iter().filter(own).copied().collect::<Vec<usize>>()
     };
     let halves = [within(0.0), within(span - most)];
-    halves.iter().filter(|h| h.len() >= FEWEST).filter_map(|h| region(order, h)).collect()
+    halves.iter().filter(|h| h.len() >= MIN_READINGS).filter_map(|h| region(order, h)).collect()
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -151,15 +152,15 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-/// Joins runs of one surface that a stray echo or a missing one parts; `ahead`: how many steps on from one reading another is, once
-/// around the circle.
+/// Joins runs of one surface that are separated by stray or missing echoes; `ahead` is the number of steps from one reading to
+/// another, counter-clockwise.
 fn join(runs: &mut Vec<Run>, ahead: &dyn Fn(usize, usize) -> f64) {
     let mut k = 0;
     while k < runs.len() {
         let (run, first, last) = (&runs[k], runs[k].members[0], runs[k].members[runs[k].members.len() - 1]);
-        // They lie in the order of their bearings, once around; strays that were joined over lie within the run.
+        // The runs are in the order of their bearings; stray echoes within the run are skipped.
         let within = |j: &usize| ahead(first, runs[*j].members[0]) < ahead(first, last);
-        let near = |j: &usize| ahead(last, runs[*j].members[0]) <= (GAP + 1) as f64;
+        let near = |j: &usize| ahead(last, runs[*j].members[0]) <= (MAX_GAP + 1) as f64;
         let next = (k + 1..runs.len())
             .chain(0..k)
             .take_while(|j| within(j) || near(j))
@@ -176,20 +177,21 @@ fn join(runs: &mut Vec<Run>, ahead: &dyn Fn(usize, usize) -> f64) {
     }
 }
 
+/// The region of a run.
 fn region(order: &[&Ping], members: &[usize]) -> Option<Rcd> {
     let pings: Vec<&Ping> = members.iter().map(|k| order[*k]).collect();
     let first = pings.first()?;
-    let sum = pings.iter().fold((0.0, 0.0), |s, p| add(s, p.axis));
-    let normal = times(sum, 1.0 / dot(sum, sum).sqrt());
+    let sum = pings.iter().fold(Vector::zeros(), |s, p| s + p.axis);
+    let normal = sum * (1.0 / sum.norm());
     let centre = first.centre();
     let n = pings.len() as f64;
-    let distance = |p: &&Ping| p.range.unwrap_or_default() + dot(normal, sub(p.at, centre));
+    let distance = |p: &&Ping| p.range.unwrap_or_default() + normal.dot(&(p.at - centre));
     let range = pings.iter().map(distance).sum::<f64>() / n;
-    let span = pings.iter().map(|p| cross(normal, p.axis).asin().abs()).fold(0.0, f64::max);
+    let span = pings.iter().map(|p| normal.perp(&p.axis).asin().abs()).fold(0.0, f64::max);
     let lines = pings.iter().map(|p| p.record.line);
     Some(Rcd {
         centre,
-        foot: add(centre, times(normal, range)),
+        foot: centre + normal * range,
         normal,
         range,
         half: range * span.sin(),

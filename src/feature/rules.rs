@@ -1,22 +1,22 @@
-//! The stage's rules.
+//! The rules of the feature stage.
 
-/// How the stage decides.
+/// The rules of the feature stage; each can be turned off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rules {
-    /// The paper's literal rules: every region a wall, readings held for three scans and only where no feature explains them,
-    /// corners associated by the distance of the projected point.
+    /// The rules of the paper to the letter: every region is a wall, readings are held for three scans and only if no feature
+    /// explains them, and corners are associated by the distance of the projected point.
     pub paper: bool,
     /// Corners are found.
     pub corners: bool,
-    /// Points are told from walls.
+    /// Points are distinguished from walls.
     pub points: bool,
     /// Phantoms are dropped.
     pub phantoms: bool,
-    /// Short safe lines between ends near each other.
+    /// Endpoints close to each other are joined by short safe lines.
     pub lines: bool,
-    /// Safe lines join ends up to 90° off the axis; else those in the cone alone.
+    /// Safe lines join endpoints up to 90° off the axis; else only those in the beam.
     pub wide: bool,
-    /// Travel for which a reading is held, metres.
+    /// The distance that the robot travels before a reading is released, metres.
     pub hold: f64,
 }
 
@@ -27,8 +27,8 @@ impl Default for Rules {
 }
 
 impl Rules {
-    /// How far off the axis ends count, radians.
-    pub fn aside(&self, half_width: f64) -> f64 {
+    /// The largest bearing off the axis of an endpoint of a safe line, radians.
+    pub fn endpoint_bearing(&self, half_width: f64) -> f64 {
         if self.wide { std::f64::consts::FRAC_PI_2 } else { half_width }
     }
 }

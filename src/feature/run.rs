@@ -1,48 +1,49 @@
-//! The stage beside the kernels: while a backend applies one window's updates, a thread of its own finds and associates the next.
+//! Runs the stage in parallel to the kernels: while a backend applies the updates of one window, another thread computes the next.
 
 use super::draw::Cells;
-use super::features::Known;
+use super::features::FeatureMap;
 use super::ping::Ping;
 use super::rules::Rules;
-use super::stage::{MOST, Stage, Tally};
+use super::stage::{MAX_HELD, Stage, StageCounts};
 use super::update::Update;
-use crate::geometry::plane::distance;
 use crate::log::reading::{Record, classify};
 use crate::sensor::Sensor;
 use crate::{Error, Result};
+use nalgebra::distance;
 use serde::Serialize;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
-/// Updates that are handed over together, and how many times as many may wait for the backend.
-const TOGETHER: usize = 1024;
-const WAITING: usize = 16;
-/// What was taken farther apart is no scan, metres.
-const MOVED: f64 = 0.5;
-/// A backend's windows should be no larger than this, updates: while it applies one the next is found.
+/// Updates that are sent to the backend at once.
+const BATCH: usize = 1024;
+/// Most batches that wait for the backend.
+const MAX_WAITING: usize = 16;
+/// The largest distance that the robot moves within a scan, metres.
+const MAX_SCAN_TRAVEL: f64 = 0.5;
+/// Most updates that a backend should apply at once, so that the stage computes the next ones meanwhile.
 pub const WINDOW: usize = 8192;
 
-/// What the stage takes at most for so many readings, bytes: those that it holds, and updates on their way.
+/// The largest memory of the stage for a number of readings, bytes: held readings, and updates that wait.
 pub fn memory(readings: u64) -> u64 {
-    let held = readings.min(MOST as u64);
-    held * size_of::<Ping>() as u64 + UPDATE * (held + readings.min((TOGETHER * WAITING) as u64))
+    let held = readings.min(MAX_HELD as u64);
+    held * size_of::<Ping>() as u64 + UPDATE_BYTES * (held + readings.min((BATCH * MAX_WAITING) as u64))
 }
 
-/// An update with its fans, bytes.
-const UPDATE: u64 = 1024;
+/// Memory of an update with its fans, bytes.
+const UPDATE_BYTES: u64 = 1024;
 
-/// How a log's readings were associated.
+/// The features of a log, and how its readings were associated.
 #[derive(Debug, Clone, Default)]
-pub struct Found {
-    /// What became of the readings.
-    pub tally: Tally,
+pub struct StageResult {
+    /// The number of readings of each case.
+    pub counts: StageCounts,
     /// The features of the whole log.
-    pub known: Known,
-    /// How long both sides took.
+    pub feature_map: FeatureMap,
+    /// The times of the stage and of the kernels.
     pub times: Times,
 }
 
-/// Seconds of the stage and of the kernels, which run at once.
+/// Times of the stage and of the kernels, which run in parallel, seconds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Times {
     /// Reading the log, finding features, associating.
@@ -53,7 +54,7 @@ pub struct Times {
     pub both: f64,
 }
 
-/// What is said of it in a report.
+/// The summary of the stage for a report.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// Walls, faces counted one by one.
@@ -74,31 +75,31 @@ pub struct Summary {
     pub routine: u64,
     /// The most readings that were held at once.
     pub held: u64,
-    /// What they took, bytes.
+    /// Their memory, bytes.
     pub held_bytes: u64,
-    /// Seconds.
+    /// The times, seconds.
     pub seconds: Times,
-    /// How much of the shorter of the two ran beside the other, 0 to 1.
+    /// The part of the shorter of the two times that ran in parallel to the other, 0 to 1.
     pub overlap: f64,
 }
 
-impl Found {
-    /// In brief.
+impl StageResult {
+    /// The summary for a report.
     pub fn summary(&self) -> Summary {
-        let Known { features, .. } = &self.known;
-        let [associated, outliers, behind, routine] = self.tally.cases;
+        let FeatureMap { features, .. } = &self.feature_map;
+        let [associated, outliers, behind, routine] = self.counts.cases;
         let Times { stage, kernels, both } = self.times;
         Summary {
             walls: features.walls.len() as u64,
             corners: features.corners.len() as u64,
-            points: features.spots.len() as u64,
-            regions: self.tally.regions,
+            points: features.points.len() as u64,
+            regions: self.counts.regions,
             associated,
             outliers,
             behind,
             routine,
-            held: self.tally.held,
-            held_bytes: self.tally.held * size_of::<Ping>() as u64,
+            held: self.counts.held,
+            held_bytes: self.counts.held * size_of::<Ping>() as u64,
             seconds: self.times,
             overlap: ((stage + kernels - both) / stage.min(kernels).max(1e-9)).clamp(0.0, 1.0),
         }
@@ -116,11 +117,12 @@ struct Feed<'a> {
 }
 
 impl Feed<'_> {
-    /// Takes a record; `false`: that was enough.
+    /// Takes a record; whether more are wanted.
     fn record(&mut self, record: Record, out: &mut Vec<Update>) -> bool {
         let sensor = &self.sensors[record.sensor as usize];
-        let other =
-            |p: &Ping| p.record.scan != record.scan || distance(p.centre(), (record.robot.x, record.robot.y)) > MOVED;
+        let other = |p: &Ping| {
+            p.record.scan != record.scan || distance(&p.centre(), &record.robot.position()) > MAX_SCAN_TRAVEL
+        };
         if self.scan.first().is_some_and(other) {
             self.stage.scan(std::mem::take(&mut self.scan), out);
         }
@@ -138,7 +140,8 @@ impl Feed<'_> {
     }
 }
 
-/// Runs the stage over a log's records, up to the `most`-th used one, on a thread; `apply` takes the updates in order on this one.
+/// Runs the stage over the records of a log, up to the `most`-th used one, in a thread of its own; `apply` takes the updates in
+/// order in this thread.
 ///
 /// # Errors
 /// The records', and those of `apply`.
@@ -147,22 +150,22 @@ pub fn run<T, I: Iterator<Item = Result<Record>>>(
     sensors: &[Sensor],
     (rules, resolution, most): (Rules, f64, u64),
     apply: impl FnOnce(&mut dyn Iterator<Item = Result<Update>>) -> Result<T>,
-) -> Result<(T, Found)> {
+) -> Result<(T, StageResult)> {
     let started = Instant::now();
     let epsilon = sensors.iter().map(|s| s.epsilon(resolution)).fold(0.0, f64::max);
-    let (send, receive) = sync_channel::<Result<Vec<Update>>>(WAITING);
+    let (send, receive) = sync_channel::<Result<Vec<Update>>>(MAX_WAITING);
     std::thread::scope(|scope| {
         let stage = scope.spawn(move || {
             let stage = Stage::new(rules, Cells { resolution, epsilon });
             let mut feed = Feed { stage, sensors, scan: Vec::new(), pings: 0, used: 0, most };
             let (mut busy, mut clock, mut ready) = (Duration::ZERO, Instant::now(), Vec::new());
-            // Whether there is somebody to take them.
+            // whether the receiver still takes updates
             let mut give = |ready: &mut Vec<Update>, clock: &mut Instant| {
                 busy += clock.elapsed();
                 let mut rest = std::mem::take(ready);
                 let mut taken = true;
                 while taken && !rest.is_empty() {
-                    let later = rest.split_off(rest.len().min(TOGETHER));
+                    let later = rest.split_off(rest.len().min(BATCH));
                     taken = send.send(Ok(std::mem::replace(&mut rest, later))).is_ok();
                 }
                 *clock = Instant::now();
@@ -170,14 +173,14 @@ pub fn run<T, I: Iterator<Item = Result<Record>>>(
             };
             let records = match records() {
                 Ok(records) => records,
-                Err(e) => return send.send(Err(e)).err().map(|_| Found::default()),
+                Err(e) => return send.send(Err(e)).err().map(|_| StageResult::default()),
             };
             for record in records {
                 let more = match record {
                     Ok(record) => feed.record(record, &mut ready),
-                    Err(e) => return send.send(Err(e)).err().map(|_| Found::default()),
+                    Err(e) => return send.send(Err(e)).err().map(|_| StageResult::default()),
                 };
-                if ready.len() >= TOGETHER && !give(&mut ready, &mut clock) {
+                if ready.len() >= BATCH && !give(&mut ready, &mut clock) {
                     return None;
                 }
                 if !more {
@@ -186,16 +189,16 @@ pub fn run<T, I: Iterator<Item = Result<Record>>>(
             }
             feed.finish(&mut ready);
             give(&mut ready, &mut clock);
-            // The kernels needn't wait for the whole.
+            // the kernels needn't wait for the feature map
             drop(send);
             let times = Times { stage: busy.as_secs_f64(), ..Times::default() };
-            let known = feed.stage.known();
-            Some(Found { tally: feed.stage.tally, known, times })
+            let feature_map = feed.stage.feature_map();
+            Some(StageResult { counts: feed.stage.counts, feature_map, times })
         });
-        let mut taken = Taken { receive, ready: Vec::new().into_iter(), waited: Duration::ZERO };
+        let mut taken = UpdateReceiver { receive, ready: Vec::new().into_iter(), waited: Duration::ZERO };
         let applied = apply(&mut taken);
         let (waited, both) = (taken.waited, started.elapsed());
-        // A stage that still has something to give learns that nobody takes it.
+        // a stage that still sends gets an error, and ends
         drop(taken);
         let died = || Error::Resources("the feature stage died; this is a defect of echogrid: please report it".into());
         let found = stage.join().map_err(|_| died());
@@ -206,14 +209,14 @@ pub fn run<T, I: Iterator<Item = Result<Record>>>(
     })
 }
 
-/// The updates as they come.
-struct Taken {
+/// The updates as the stage sends them.
+struct UpdateReceiver {
     receive: Receiver<Result<Vec<Update>>>,
     ready: std::vec::IntoIter<Update>,
     waited: Duration,
 }
 
-impl Iterator for Taken {
+impl Iterator for UpdateReceiver {
     type Item = Result<Update>;
 
     fn next(&mut self) -> Option<Result<Update>> {

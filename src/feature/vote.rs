@@ -1,33 +1,34 @@
-//! Wall or point: a plane shows another foot from elsewhere, on one line; a corner or an edge shows the same place.
+//! Distinguishes walls from points: seen from elsewhere, the foot of a plane moves along a line, and that of a corner or an edge
+//! stays.
 
 use super::rcd::{Rcd, Source};
-use crate::geometry::plane::{distance, dot, sub};
+use nalgebra::distance;
 
-/// Scans nearer than this tell nothing of each other, metres.
-const APART: f64 = 0.15;
-/// Feet farther apart than this are of other things, metres.
-const NEAR: f64 = 1.2;
-/// Normals of one plane differ by less: cosine.
+/// The least distance between two scans that are compared, metres.
+const MIN_BASELINE: f64 = 0.15;
+/// The largest distance between two feet that are compared, metres.
+const MAX_DISTANCE: f64 = 1.2;
+/// The cosine of the largest angle between normals of one plane.
 const PARALLEL: f64 = 0.994_521_895; // cos 6°
-/// Bearings of one point from two places differ by more: cosine.
+/// The cosine of the least angle between bearings to one point from two positions.
 const TURNED: f64 = 0.998_629_535; // cos 3°
-/// A foot of one plane lies no farther from the other's, metres.
-const BESIDE: f64 = 0.08;
+/// The largest distance of a foot from the other region's plane, metres.
+const MAX_OFFSET: f64 = 0.08;
 
-/// How near two feet are the same place, at a range, metres.
+/// The largest distance between two feet of one point, at a range, metres.
 pub fn same_place(range: f64) -> f64 {
     0.05 + 0.03 * range
 }
 
-/// Says of each region whether it is a wall or a point, but for those that know it themselves.
+/// Sets the source of each region by majority vote, except of those fitted by their own readings.
 pub fn vote(rcds: &mut [Rcd]) {
-    // By place, so that each meets the near ones alone.
+    // In the order of x, so that only near ones are compared.
     let mut order: Vec<usize> = (0..rcds.len()).collect();
-    order.sort_by(|a, b| rcds[*a].foot.0.total_cmp(&rcds[*b].foot.0).then(a.cmp(b)));
+    order.sort_by(|a, b| rcds[*a].foot.x.total_cmp(&rcds[*b].foot.x).then(a.cmp(b)));
     let mut votes = vec![[0u32; 2]; rcds.len()];
     for (place, k) in order.iter().enumerate() {
         let rcd = &rcds[*k];
-        for other in order[place + 1..].iter().take_while(|j| rcds[**j].foot.0 - rcd.foot.0 < NEAR) {
+        for other in order[place + 1..].iter().take_while(|j| rcds[**j].foot.x - rcd.foot.x < MAX_DISTANCE) {
             if let Some(source) = verdict(rcd, &rcds[*other]) {
                 votes[*k][source as usize] += 1;
                 votes[*other][source as usize] += 1;
@@ -39,16 +40,16 @@ pub fn vote(rcds: &mut [Rcd]) {
     }
 }
 
-/// What two regions say of each other.
+/// The vote of two regions for each other.
 fn verdict(a: &Rcd, b: &Rcd) -> Option<Source> {
-    let apart = distance(a.foot, b.foot);
-    if apart >= NEAR || distance(a.centre, b.centre) < APART {
+    let apart = distance(&a.foot, &b.foot);
+    if apart >= MAX_DISTANCE || distance(&a.centre, &b.centre) < MIN_BASELINE {
         return None;
     }
-    let turn = dot(a.normal, b.normal);
-    let offset = |from: &Rcd, to: &Rcd| dot(from.normal, sub(to.foot, from.foot)).abs();
+    let turn = a.normal.dot(&b.normal);
+    let offset = |from: &Rcd, to: &Rcd| from.normal.dot(&(to.foot - from.foot)).abs();
     let tau = same_place(a.range.max(b.range));
-    let plane = turn >= PARALLEL && offset(a, b).min(offset(b, a)) <= BESIDE;
+    let plane = turn >= PARALLEL && offset(a, b).min(offset(b, a)) <= MAX_OFFSET;
     if plane {
         (apart > tau).then_some(Source::Wall)
     } else {

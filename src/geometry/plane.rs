@@ -1,106 +1,109 @@
-//! Plane geometry that the world's files share: points, segments, wedges. World frame, metres.
+//! Plane geometry on nalgebra's types: lines, segments, reflections and wedges. World frame, metres.
+//!
+//! Maps and simulated logs are held bit for bit, so functions keep one order of operations. Where nalgebra has a similar
+//! function of another order, the comment says so.
 
-/// A point or a vector: metres right and up.
-pub type Point = (f64, f64);
+use nalgebra::{Point2, Vector2};
 
-pub(crate) fn add(a: Point, b: Point) -> Point {
-    (a.0 + b.0, a.1 + b.1)
+/// A position: metres to the right, metres up.
+pub type Point = Point2<f64>;
+/// A displacement or a direction: metres, or a unit vector.
+pub type Vector = Vector2<f64>;
+
+/// The unit vector of a direction; the zero vector for the zero vector.
+///
+/// One division and two products: `Vector2::normalize` divides each component, which rounds otherwise.
+pub fn unit(v: Vector) -> Vector {
+    v * (1.0 / v.norm().max(f64::MIN_POSITIVE))
 }
 
-pub(crate) fn sub(a: Point, b: Point) -> Point {
-    (a.0 - b.0, a.1 - b.1)
+/// A vector turned left by 90°.
+pub fn left_normal(v: Vector) -> Vector {
+    Vector::new(-v.y, v.x)
 }
 
-pub(crate) fn times(a: Point, k: f64) -> Point {
-    (a.0 * k, a.1 * k)
+/// The point at parameter `t` of the segment from `a` (0) to `b` (1).
+///
+/// `Point2::lerp` computes a·(1 − t) + b·t, which rounds otherwise.
+pub fn lerp(a: Point, b: Point, t: f64) -> Point {
+    a + (b - a) * t
 }
 
-pub(crate) fn dot(a: Point, b: Point) -> f64 {
-    a.0 * b.0 + a.1 * b.1
+/// The mirror image of `p` in the line through `a` and `b`.
+pub fn reflect(p: Point, a: Point, b: Point) -> Point {
+    let e = b - a;
+    let n = left_normal(e);
+    p - n * (2.0 * (p - a).dot(&n) / e.dot(&e))
 }
 
-/// Positive where `b` lies to the left of `a`.
-pub(crate) fn cross(a: Point, b: Point) -> f64 {
-    a.0 * b.1 - a.1 * b.0
-}
-
-pub(crate) fn length(a: Point) -> f64 {
-    dot(a, a).sqrt()
-}
-
-pub(crate) fn distance(a: Point, b: Point) -> f64 {
-    length(sub(a, b))
-}
-
-pub(crate) fn unit(a: Point) -> Point {
-    times(a, 1.0 / length(a).max(f64::MIN_POSITIVE))
-}
-
-/// The point at share `t` of the way from `a` to `b`.
-pub(crate) fn along(a: Point, b: Point, t: f64) -> Point {
-    add(a, times(sub(b, a), t))
-}
-
-/// The image of `p` in the line through `a` and `b`.
-pub(crate) fn mirror(p: Point, a: Point, b: Point) -> Point {
-    let e = sub(b, a);
-    let v = sub(p, a);
-    let n = (-e.1, e.0);
-    sub(p, times(n, 2.0 * dot(v, n) / dot(e, e)))
-}
-
-/// Where the line from `p` through `q` meets the line from `a` through `b`, as shares of both ways; `None` if parallel.
-pub(crate) fn meet(p: Point, q: Point, a: Point, b: Point) -> Option<(f64, f64)> {
-    let (d, e, w) = (sub(q, p), sub(b, a), sub(a, p));
-    let den = cross(d, e);
-    if den * den < 1e-24 * dot(d, d) * dot(e, e) {
+/// The intersection of the line through `p` and `q` with the line through `a` and `b`, as parameters of both: 0 at `p` and
+/// `a`, 1 at `q` and `b`; `None` if they are parallel.
+pub fn intersect_lines(p: Point, q: Point, a: Point, b: Point) -> Option<(f64, f64)> {
+    let (d, e, w) = (q - p, b - a, a - p);
+    let den = d.perp(&e);
+    if den * den < 1e-24 * d.dot(&d) * e.dot(&e) {
         return None;
     }
-    Some((cross(w, e) / den, cross(w, d) / den))
+    Some((w.perp(&e) / den, w.perp(&d) / den))
 }
 
-/// The share of a segment nearest to a point.
-pub(crate) fn nearest_share(p: Point, a: Point, b: Point) -> f64 {
-    let e = sub(b, a);
-    (dot(sub(p, a), e) / dot(e, e).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+/// The distance from `origin` along the unit vector `direction` to a segment, metres; `None` if the ray misses it.
+#[inline]
+pub fn intersect_ray(origin: Point, direction: Vector, [a, b]: [Point; 2]) -> Option<f64> {
+    let (e, w) = (b - a, a - origin);
+    let den = direction.perp(&e);
+    if den == 0.0 {
+        return None;
+    }
+    let (t, u) = (w.perp(&e) / den, w.perp(&direction) / den);
+    (t > 0.0 && (0.0..=1.0).contains(&u)).then_some(t)
 }
 
-/// How far a point lies from a segment, metres.
-pub(crate) fn from_segment(p: Point, a: Point, b: Point) -> f64 {
-    distance(p, along(a, b, nearest_share(p, a, b)))
+/// The parameter of the point of the segment from `a` to `b` that is nearest to `p`, 0 to 1.
+pub fn nearest_parameter(p: Point, a: Point, b: Point) -> f64 {
+    let e = b - a;
+    ((p - a).dot(&e) / e.dot(&e).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
-/// A wedge of less than 180°: what is seen from `apex` between `right` and `left`.
+/// The distance from a point to the segment from `a` to `b`, metres.
+pub fn distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
+    nalgebra::distance(&p, &lerp(a, b, nearest_parameter(p, a, b)))
+}
+
+/// A wedge of less than 180°: what is visible from `apex` between two directions.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wedge {
     pub apex: Point,
-    pub right: Point,
-    pub left: Point,
+    /// Along the right edge.
+    pub right: Vector,
+    /// Along the left edge.
+    pub left: Vector,
 }
 
 impl Wedge {
-    /// The wedge from `apex` over a segment.
-    pub fn over(apex: Point, a: Point, b: Point) -> Wedge {
-        let (a, b) = (sub(a, apex), sub(b, apex));
-        let (right, left) = if cross(a, b) >= 0.0 { (a, b) } else { (b, a) };
+    /// The wedge from `apex` that spans a segment.
+    pub fn spanning(apex: Point, a: Point, b: Point) -> Wedge {
+        let (a, b) = (a - apex, b - apex);
+        let (right, left) = if a.perp(&b) >= 0.0 { (a, b) } else { (b, a) };
         Wedge { apex, right, left }
     }
 
-    /// The part of a segment inside, as shares of it; `None` if there is none.
+    /// The part of a segment inside the wedge, as parameters of the segment; `None` if it lies outside.
     pub fn clip(&self, a: Point, b: Point) -> Option<(f64, f64)> {
-        let (va, vb) = (sub(a, self.apex), sub(b, self.apex));
-        let span = cut((0.0, 1.0), cross(self.right, va), cross(self.right, vb))?;
-        cut(span, -cross(self.left, va), -cross(self.left, vb))
+        let (va, vb) = (a - self.apex, b - self.apex);
+        let interval = clip_to_non_negative((0.0, 1.0), self.right.perp(&va), self.right.perp(&vb))?;
+        clip_to_non_negative(interval, -self.left.perp(&va), -self.left.perp(&vb))
     }
 }
 
-/// Keeps the shares where the linear function that is `at_a` at 0 and `at_b` at 1 isn't negative.
-pub(crate) fn cut((low, high): (f64, f64), at_a: f64, at_b: f64) -> Option<(f64, f64)> {
-    let span = match (at_a >= 0.0, at_b >= 0.0) {
+/// The part of an interval where a linear function is not negative; the function is `at_0` at 0 and `at_1` at 1. `None` if
+/// there is none.
+pub(crate) fn clip_to_non_negative((low, high): (f64, f64), at_0: f64, at_1: f64) -> Option<(f64, f64)> {
+    let clipped = match (at_0 >= 0.0, at_1 >= 0.0) {
         (true, true) => (low, high),
         (false, false) => return None,
-        (true, false) => (low, high.min(at_a / (at_a - at_b))),
-        (false, true) => (low.max(at_a / (at_a - at_b)), high),
+        (true, false) => (low, high.min(at_0 / (at_0 - at_1))),
+        (false, true) => (low.max(at_0 / (at_0 - at_1)), high),
     };
-    (span.0 < span.1).then_some(span)
+    (clipped.0 < clipped.1).then_some(clipped)
 }

@@ -3,6 +3,7 @@
 //! World frame: metres, x right, y up, angles in radians counter-clockwise from +x.
 
 use crate::sensor::{AtMax, Sensor};
+use nalgebra::{Isometry2, Point2, Vector2};
 use serde::Serialize;
 
 /// A position and a heading in the world frame: metres, radians.
@@ -17,7 +18,26 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// The position, metres.
+    pub fn position(&self) -> Point2<f64> {
+        Point2::new(self.x, self.y)
+    }
+
+    /// The unit vector of the heading.
+    pub fn direction(&self) -> Vector2<f64> {
+        let (sin, cos) = self.heading.sin_cos();
+        Vector2::new(cos, sin)
+    }
+
+    /// The transformation from this pose's own frame (x forward, y left) to the world frame.
+    pub fn isometry(&self) -> Isometry2<f64> {
+        Isometry2::new(self.position().coords, self.heading)
+    }
+
     /// The world pose of something at (`x`, `y`, `heading`) in this pose's own frame (x forward, y left).
+    ///
+    /// [`Pose::isometry`] adds the rotated vector to the position as a whole, which rounds otherwise in the last bit: logs are
+    /// held to these sums.
     pub fn compose(&self, x: f64, y: f64, heading: f64) -> Pose {
         let (s, c) = self.heading.sin_cos();
         Pose { x: self.x + c * x - s * y, y: self.y + s * x + c * y, heading: self.heading + heading }

@@ -94,7 +94,7 @@ impl Canvas<'_> {
     }
 
     fn fan(&mut self, bits: u8, sensor: Place, fan: &Fan) {
-        let vertices: Vec<Place> = fan.vertices.iter().map(|v| snap(self.grid, *v)).collect();
+        let vertices: Vec<Place> = fan.vertices.iter().map(|v| snap(self.grid, (v.x, v.y))).collect();
         for k in 1..vertices.len() {
             let [a, b] = [vertices[k - 1], vertices[k]];
             let (rays, last) = ([from(sensor, a), from(sensor, b)], k + 1 == vertices.len());
@@ -109,8 +109,8 @@ impl Canvas<'_> {
         }
     }
 
-    fn line(&mut self, bits: u8, ends: [(f64, f64); 2]) {
-        let [a, b] = ends.map(|p| snap(self.grid, p));
+    fn line(&mut self, bits: u8, ends: [Place; 2]) {
+        let [a, b] = ends;
         let d = from(a, b);
         self.paint(bits, &[a, b], |centre| {
             let p = from(a, centre);
@@ -148,8 +148,8 @@ fn see(grid: &GridSpec, sensors: &[Sensor], update: &Update) -> Result<Seen> {
     let mut all = vec![at];
     let limits = update.routine.iter().flat_map(|r| [&r.free, &r.arc]);
     let fans = update.parts.iter().map(|p| &p.free).chain(limits).flatten();
-    all.extend(fans.flat_map(|f| &f.vertices).map(|v| snap(grid, *v)));
-    all.extend(update.parts.iter().flat_map(|p| &p.occupied).flatten().map(|v| snap(grid, *v)));
+    all.extend(fans.flat_map(|f| &f.vertices).map(|v| snap(grid, (v.x, v.y))));
+    all.extend(update.parts.iter().flat_map(|p| &p.occupied).flatten().map(|v| snap(grid, (v.x, v.y))));
     let mut cone = None;
     if update.routine.is_some() {
         let rule = if sensor.narrow() { Rule::Narrow } else { Rule::Cone };
@@ -164,7 +164,7 @@ fn see(grid: &GridSpec, sensors: &[Sensor], update: &Update) -> Result<Seen> {
     let mut canvas = Canvas::new(grid, low, high);
     for (k, part) in update.parts.iter().enumerate() {
         part.free.iter().for_each(|fan| canvas.fan(FREES[k], at, fan));
-        part.occupied.iter().for_each(|ends| canvas.line(LINES[k], *ends));
+        part.occupied.iter().for_each(|ends| canvas.line(LINES[k], ends.map(|p| snap(grid, (p.x, p.y)))));
     }
     let mut may_occupy = update.parts.iter().any(|p| !p.occupied.is_empty());
     if let (Some(routine), Some(cone)) = (&update.routine, &cone) {

@@ -6,7 +6,7 @@ mod picture;
 use super::names::{FEATURES, FEATURES_PARTIAL, FEATURES_PICTURE, FEATURES_PICTURE_PARTIAL, Name, PICTURE};
 use super::unwritable;
 use crate::Result;
-use crate::feature::{Known, Rcd};
+use crate::feature::{FeatureMap, Rcd};
 use crate::geometry::plane::Point;
 use crate::grid::GridSpec;
 use serde_json::{Value, json};
@@ -22,7 +22,7 @@ const FRAME: &str =
 ///
 /// # Errors
 /// [`Error::Resources`](crate::Error::Resources) if one can't be written.
-pub fn write_features(folder: &Path, known: &Known, grid: &GridSpec) -> Result<()> {
+pub fn write_features(folder: &Path, known: &FeatureMap, grid: &GridSpec) -> Result<()> {
     let drawn_over = PICTURE.at(folder).is_file();
     save(folder, [FEATURES, FEATURES_PARTIAL], &geojson(known))?;
     save(folder, [FEATURES_PICTURE, FEATURES_PICTURE_PARTIAL], &picture::svg(known, grid, drawn_over))
@@ -37,22 +37,23 @@ fn save(folder: &Path, names: [Name; 2], text: &str) -> Result<()> {
 }
 
 /// A feature a line: walls, then corners, then points, each in the stage's order.
-fn geojson(known: &Known) -> String {
+fn geojson(known: &FeatureMap) -> String {
     let features = &known.features;
     let walls = features.walls.iter().map(|wall| {
-        let normal = [wall.normal.0, wall.normal.1].map(|v| rounded(v, 1e6));
+        let normal = [wall.normal.x, wall.normal.y].map(|v| rounded(v, 1e6));
         let own = json!({ "kind": "wall", "normal": normal });
         feature("LineString", json!(wall.ends().map(place)), own, seen(known, wall.rcds.iter()))
     });
     let corners = features.corners.iter().map(|corner| {
-        let legs = corner.legs.map(|leg| leg.map(|ends| ends.map(place)));
+        let extrapolated_walls = corner.extrapolated_walls.map(|leg| leg.map(|ends| ends.map(place)));
         let probability = rounded(corner.probability, 1e4);
-        let own = json!({ "kind": "corner", "probability": probability, "walls": corner.walls, "legs": legs });
+        let own =
+            json!({ "kind": "corner", "probability": probability, "walls": corner.walls, "legs": extrapolated_walls });
         let members = corner.walls.iter().filter_map(|k| features.walls.get(*k)).flat_map(|w| &w.rcds);
         feature("Point", json!(place(corner.at)), own, seen(known, members))
     });
     let spots = features
-        .spots
+        .points
         .iter()
         .map(|spot| feature("Point", json!(place(spot.at)), json!({ "kind": "point" }), seen(known, spot.rcds.iter())));
     let mut text = format!("{{\"type\": \"FeatureCollection\", \"frame\": {}, \"features\": [", json!(FRAME));
@@ -71,7 +72,7 @@ fn feature(geometry: &str, coordinates: Value, mut own: Value, seen: Value) -> V
 }
 
 /// What saw a feature: how many scans, regions and readings, and between which lines of the log each region stands.
-fn seen<'a>(known: &'a Known, rcds: impl Iterator<Item = &'a usize>) -> Value {
+fn seen<'a>(known: &'a FeatureMap, rcds: impl Iterator<Item = &'a usize>) -> Value {
     let places: BTreeSet<usize> = rcds.copied().collect();
     let regions: Vec<&Rcd> = places.iter().filter_map(|k| known.regions.get(*k)).collect();
     let scans: BTreeSet<u64> = regions.iter().map(|r| r.scan).collect();
@@ -81,7 +82,7 @@ fn seen<'a>(known: &'a Known, rcds: impl Iterator<Item = &'a usize>) -> Value {
 }
 
 fn place(at: Point) -> [f64; 2] {
-    [at.0, at.1].map(|v| rounded(v, 1e4))
+    [at.x, at.y].map(|v| rounded(v, 1e4))
 }
 
 /// To so many steps a unit; never −0.

@@ -6,7 +6,7 @@ use crate::binning::scan::{Scan, Scans};
 use crate::binning::snap::Edges;
 use crate::binning::update;
 use crate::binning::wedge;
-use crate::feature::{self, Found, Update};
+use crate::feature::{self, StageResult, Update};
 use crate::grid::{GridSpec, Palette};
 use crate::kernels::Backend;
 use crate::log::classes::Classes;
@@ -70,7 +70,7 @@ pub struct Mapped {
     /// What the batches came to.
     pub work: Work,
     /// What the stage found, for a method that takes updates.
-    pub found: Option<Found>,
+    pub found: Option<StageResult>,
 }
 
 impl Session {
@@ -201,7 +201,7 @@ impl Session {
     ///
     /// # Errors
     /// The log's.
-    pub fn updates(&self, count: usize) -> Result<(Vec<Update>, Found)> {
+    pub fn updates(&self, count: usize) -> Result<(Vec<Update>, StageResult)> {
         self.associate(count, |updates| updates.collect::<Result<Vec<_>>>())
     }
 
@@ -210,7 +210,7 @@ impl Session {
         &self,
         count: usize,
         apply: impl FnOnce(&mut dyn Iterator<Item = Result<Update>>) -> Result<T>,
-    ) -> Result<(T, Found)> {
+    ) -> Result<(T, StageResult)> {
         let Settings::Features(features) = self.method.settings() else {
             return Err(Error::Usage(format!("{} takes no features", method::name(self.method.as_ref()))));
         };
@@ -304,7 +304,7 @@ impl Session {
     }
 
     /// The oracle's map of a method that takes updates, and what was found.
-    fn oracle_of_updates(&self) -> Result<(OracleMap, Found)> {
+    fn oracle_of_updates(&self) -> Result<(OracleMap, StageResult)> {
         let map = |updates: &mut dyn Iterator<Item = Result<Update>>| {
             oracle::map_updates(&self.grid, self.sensors(), updates, &self.method.settings())
         };

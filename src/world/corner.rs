@@ -1,35 +1,36 @@
-//! Finds the corners that walls make: wherever walls meet, cross or end, one corner or edge for each free sector between
+//! The corners of a world's walls: wherever walls meet, cross or end, one corner or edge for each free sector between
 //! neighbouring arms.
 
-use super::index::Index;
+use super::index::ShapeIndex;
 use super::shape::{Corner, CornerKind, Wall};
-use crate::geometry::plane::{Point, along, cross, distance, dot, from_segment, meet, nearest_share, sub, unit};
+use crate::geometry::plane::{Point, Vector, distance_to_segment, intersect_lines, lerp, nearest_parameter, unit};
+use nalgebra::distance;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
-/// Walls nearer than this join, metres.
+/// Walls nearer than this meet, metres.
 pub(crate) const SAME: f64 = 1e-3;
-/// A joint that turns by less than this, radians, is part of a curve.
+/// A vertex that turns by less than this, radians, is part of a curve, not a corner.
 const STRAIGHT: f64 = 0.035;
-/// Cosine of 86°: corners this near to square return every sound.
-const SQUARE: f64 = 0.069_756_473_744_125_3;
+/// Cosine of 86°: corners this close to 90° return every sound.
+const PERPENDICULAR: f64 = 0.069_756_473_744_125_3;
 
-/// A wall's way from a vertex: its direction, and which of its sides are free as seen along it.
+/// A wall that leaves a vertex: its direction, and which of its sides are free as seen along it.
 #[derive(Debug, Clone, Copy)]
 struct Arm<'a> {
-    direction: Point,
+    direction: Vector,
     angle: f64,
     wall: &'a Wall,
     free_left: bool,
     free_right: bool,
 }
 
-/// Every corner of the walls, vertex by vertex in the walls' order.
-pub(crate) fn corners(index: &Index) -> Vec<Corner> {
+/// All corners of the walls, vertex by vertex in the order of the walls.
+pub(crate) fn corners(index: &ShapeIndex) -> Vec<Corner> {
     let mut vertices = Vertices::default();
     for (i, wall) in index.walls.iter().enumerate() {
-        let reach = distance(wall.a, wall.b) / 2.0 + SAME;
-        let near = index.near(along(wall.a, wall.b, 0.5), reach);
+        let reach = distance(&wall.a, &wall.b) / 2.0 + SAME;
+        let near = index.within(lerp(wall.a, wall.b, 0.5), reach);
         let others = near.into_iter().map(|k| k as usize).filter(|&k| k > i && k < index.walls.len());
         for k in others {
             if let Some(at) = joint(wall, &index.walls[k]) {
@@ -46,7 +47,7 @@ pub(crate) fn corners(index: &Index) -> Vec<Corner> {
     found
 }
 
-/// Places where walls join or end, each with its walls; places nearer than [`SAME`] are one.
+/// The points where walls meet or end, each with its walls; points nearer than [`SAME`] are one.
 #[derive(Default)]
 struct Vertices {
     all: Vec<(Point, Vec<usize>)>,
@@ -55,10 +56,10 @@ struct Vertices {
 
 impl Vertices {
     fn add(&mut self, at: Point, wall: usize) {
-        let key = ((at.0 / SAME).floor() as i64, (at.1 / SAME).floor() as i64);
+        let key = ((at.x / SAME).floor() as i64, (at.y / SAME).floor() as i64);
         let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (key.0 + i, key.1 + j)));
         let known = around.filter_map(|k| self.buckets.get(&k)).flatten();
-        match known.copied().find(|v| distance(self.all[*v].0, at) < SAME) {
+        match known.copied().find(|v| distance(&self.all[*v].0, &at) < SAME) {
             Some(v) if self.all[v].1.contains(&wall) => {}
             Some(v) => self.all[v].1.push(wall),
             None => {
@@ -69,18 +70,18 @@ impl Vertices {
     }
 }
 
-/// Where two walls meet, if they do: where they cross, else on one where the other ends before it.
+/// Where two walls meet, if they do: their crossing, or the point of one at which the other ends.
 fn joint(one: &Wall, two: &Wall) -> Option<Point> {
     let on = |t: f64| (0.0..=1.0).contains(&t);
-    if let Some((t, u)) = meet(one.a, one.b, two.a, two.b)
+    if let Some((t, u)) = intersect_lines(one.a, one.b, two.a, two.b)
         && on(t)
         && on(u)
     {
-        return Some(along(one.a, one.b, t));
+        return Some(lerp(one.a, one.b, t));
     }
     let ends = [(one.a, two), (one.b, two), (two.a, one), (two.b, one)];
-    let (end, other) = ends.into_iter().find(|(p, w)| from_segment(*p, w.a, w.b) < SAME)?;
-    Some(along(other.a, other.b, nearest_share(end, other.a, other.b)))
+    let (end, other) = ends.into_iter().find(|(p, w)| distance_to_segment(*p, w.a, w.b) < SAME)?;
+    Some(lerp(other.a, other.b, nearest_parameter(end, other.a, other.b)))
 }
 
 /// The corners and edges about a vertex.
@@ -88,21 +89,21 @@ fn sectors<'a>(at: Point, walls: impl Iterator<Item = &'a Wall>, found: &mut Vec
     let mut arms: Vec<Arm<'a>> = Vec::new();
     for wall in walls {
         for (end, to_b) in [(wall.a, false), (wall.b, true)] {
-            if distance(end, at) > 2.0 * SAME {
-                let direction = unit(sub(end, at));
-                let angle = direction.1.atan2(direction.0);
-                // a wall's free side is to the left of the way to b
+            if distance(&end, &at) > 2.0 * SAME {
+                let direction = unit(end - at);
+                let angle = direction.y.atan2(direction.x);
+                // the free side of a wall is to the left of the direction from a to b
                 let (free_left, free_right) = (wall.thin || to_b, wall.thin || !to_b);
                 arms.push(Arm { direction, angle, wall, free_left, free_right });
             }
         }
     }
     arms.sort_by(|a, b| a.angle.total_cmp(&b.angle));
-    // walls that lie on one another are one arm, free where all of them are
+    // walls that overlap are one arm, free where all of them are
     let mut merged: Vec<Arm<'a>> = Vec::new();
     for arm in arms {
         let same = |m: &&mut Arm<'_>| {
-            cross(m.direction, arm.direction).abs() < STRAIGHT && dot(m.direction, arm.direction) > 0.0
+            m.direction.perp(&arm.direction).abs() < STRAIGHT && m.direction.dot(&arm.direction) > 0.0
         };
         match merged.iter_mut().find(same) {
             Some(m) => (m.free_left, m.free_right) = (m.free_left && arm.free_left, m.free_right && arm.free_right),
@@ -120,13 +121,13 @@ fn sectors<'a>(at: Point, walls: impl Iterator<Item = &'a Wall>, found: &mut Vec
 
 fn corner(at: Point, right: &Arm<'_>, left: &Arm<'_>, angle: f64) -> Corner {
     let (one, two) = (right.wall.surface.reflection() / 0.95, left.wall.surface.reflection() / 0.95);
-    let (kind, keeps) = match () {
+    let (kind, gain) = match () {
         () if angle > PI => (CornerKind::Edge, one.min(two)),
-        () if angle.cos().abs() <= SQUARE => (CornerKind::Right, one * two),
+        () if angle.cos().abs() <= PERPENDICULAR => (CornerKind::Right, one * two),
         () => (CornerKind::Concave, one * two),
     };
     let class = right.wall.class.or(left.wall.class);
-    Corner { at, kind, arms: [right.direction, left.direction], keeps, class }
+    Corner { at, kind, arms: [right.direction, left.direction], gain, class }
 }
 
 #[cfg(test)]
@@ -134,17 +135,18 @@ mod tests {
     use super::*;
     use crate::world::shape::Surface;
 
-    fn wall(a: Point, b: Point, thin: bool) -> Wall {
+    fn wall(a: (f64, f64), b: (f64, f64), thin: bool) -> Wall {
+        let [a, b] = [a, b].map(|(x, y)| Point::new(x, y));
         Wall { a, b, surface: Surface::Specular, class: None, thin }
     }
 
     /// The kinds found: right-angled, other concave, edges.
     fn kinds(walls: Vec<Wall>) -> [usize; 3] {
-        let found = corners(&Index::new(walls, Vec::new()));
+        let found = corners(&ShapeIndex::new(walls, Vec::new()));
         [CornerKind::Right, CornerKind::Concave, CornerKind::Edge].map(|k| found.iter().filter(|c| c.kind == k).count())
     }
 
-    fn thin(points: &[Point]) -> Vec<Wall> {
+    fn thin(points: &[(f64, f64)]) -> Vec<Wall> {
         points.windows(2).map(|p| wall(p[0], p[1], true)).collect()
     }
 
@@ -157,7 +159,7 @@ mod tests {
     fn by_hand() {
         assert_eq!(kinds(room()), [4, 0, 0]);
         // seen from outside: four edges
-        assert_eq!(kinds(room().into_iter().map(|w| wall(w.b, w.a, false)).collect()), [0, 0, 4]);
+        assert_eq!(kinds(room().into_iter().map(|w| Wall { a: w.b, b: w.a, ..w }).collect()), [0, 0, 4]);
         // a thin wall: an edge at either end; bent squarely: a right-angled corner inside, an edge outside
         assert_eq!(kinds(thin(&[(0.0, 0.0), (1.0, 0.0)])), [0, 0, 2]);
         assert_eq!(kinds(thin(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)])), [1, 0, 3]);
@@ -182,10 +184,10 @@ mod tests {
         for gap in [-0.002, -0.000_9, -0.000_5, -1e-9, 0.0, 1e-9, 0.000_5, 0.000_9] {
             let p = [(1.0, gap), (1.0, 1.0), (2.0, 1.0), (2.0, gap)];
             let solid: Vec<Wall> = (0..4).map(|k| wall(p[k], p[(k + 1) % 4], false)).collect();
-            let index = Index::new([room(), solid].concat(), Vec::new());
+            let index = ShapeIndex::new([room(), solid].concat(), Vec::new());
             let found = corners(&index);
             let square = found.iter().filter(|c| c.kind == CornerKind::Right);
-            let on_floor = square.filter(|c| c.at.1.abs() < 1e-12 && (c.at.0 - 1.5).abs() < 0.51);
+            let on_floor = square.filter(|c| c.at.y.abs() < 1e-12 && (c.at.x - 1.5).abs() < 0.51);
             assert_eq!(on_floor.count(), 2, "gap {gap}: {found:?}");
         }
     }

@@ -1,11 +1,11 @@
-//! A seeded generator: the same numbers on every machine (SplitMix64, Steele et al. 2014).
+//! A seeded generator of random numbers, the same on every machine (SplitMix64, Steele et al. 2014).
 
 /// The generator's state.
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
 impl Random {
-    /// A generator that gives what this seed gives.
+    /// The generator of a seed.
     pub fn new(seed: u64) -> Random {
         Random(seed)
     }
@@ -19,17 +19,17 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// From 0 up to 1.
+    /// Uniform from 0 (included) to 1 (excluded).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// From `low` up to `high`.
+    /// Uniform from `low` to `high`.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// Mean 0, deviation 1: the sum of twelve, so that no machine's logarithm has a say.
+    /// Approximately normal, mean 0, standard deviation 1: the sum of twelve uniform numbers, which is the same on every machine.
     pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
     }

@@ -1,80 +1,53 @@
-//! What the robot carries: a dense circular scan, a ring of sonars, a laser, or sensors one by one.
+//! The sensors of the robot: a dense circular scan, a ring of sonars, a laser, or sensors one by one.
 
-use super::echo::Physics;
-use super::index::Index;
-use super::path::Stop;
-use super::text::Part;
+use super::index::ShapeIndex;
+use super::path::TimedPose;
+use super::sonar::Physics;
 use crate::sensor::{AtMax, Description, Kind, Sensor, preset};
 use crate::{Error, Result};
 use std::f64::consts::{PI, TAU};
 
-/// The rigs that `--rig` and `[rig] kind` know; besides, `ringN` is a ring of N sonars.
+/// The rigs that `--rig` and `[rig] kind` know by name; `ringN`, a ring of N sonars, is another.
 pub const RIGS: [&str; 4] = ["dense", "ring24", "ring8", "laser"];
-/// The most sonars of a ring.
-const MOST: u32 = 360;
-/// Keys of a sensor's table.
-const SENSOR: [&str; 15] = [
-    "id",
-    "kind",
-    "x",
-    "y",
-    "displacement",
-    "axis",
-    "half_width",
-    "r_min",
-    "r_max",
-    "hit_range",
-    "no_echo_range",
-    "beams",
-    "step",
-    "noise",
-    "noise_share",
-];
-const RIG: [&str; 15] = [
-    "kind",
-    "radius",
-    "step",
-    "half_width",
-    "r_min",
-    "r_max",
-    "hit_range",
-    "no_echo_range",
-    "noise",
-    "noise_share",
-    "bounces",
-    "specular",
-    "spurious",
-    "cross_talk",
-    "flutter",
-];
+/// Most sonars of a ring.
+const MAX_SONARS: u32 = 360;
 
-/// One transducer and how it is used in a scan.
+/// One transducer, and its readings in a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transducer {
-    /// Where it sits, and its limits.
+    /// Its mount on the robot, and its limits.
     pub sensor: Sensor,
-    /// Readings in one scan: more than 1 if it turns.
+    /// Readings in one scan; more than 1 if it turns.
     pub beams: u32,
-    /// From one of them to the next, radians.
+    /// The angle from one reading to the next, radians.
     pub step: f64,
-    /// Whether it turns about the robot's centre, from a random bearing; else about itself, evenly about its axis.
+    /// Whether it turns about the robot's centre, from a random bearing; else it turns about itself, symmetrically to its axis.
     pub circles: bool,
-    /// Deviation of a range: metres, and a share of the range.
-    pub noise: (f64, f64),
+    /// Range noise.
+    pub noise: Noise,
 }
 
-/// What the robot carries, and what can go wrong with it.
+/// The standard deviation of a range: `metres` + `share` × range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// The part that is the same at every range, metres.
+    pub metres: f64,
+    /// The part that grows with the range.
+    pub share: f64,
+}
+
+/// The sensors of the robot, and the disturbances of its sonars.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
     /// Its name.
     pub name: String,
     /// Its sensors, in the log's order.
     pub transducers: Vec<Transducer>,
-    /// Sonar's physics.
+    /// How sonar echoes are simulated.
     pub physics: Physics,
-    /// Share of sonar readings replaced by a short false echo.
+    /// The share of sonar readings that are a false echo at short range.
     pub spurious: f64,
-    /// Share of sonar readings that hear another beam.
+    /// The share of sonar readings that are the echo of another beam.
     pub cross_talk: f64,
 }
 
@@ -91,10 +64,11 @@ fn sonar(id: &str, radius: f64, axis: f64) -> Result<Sensor> {
     d.complete(0).map_err(Error::Usage)
 }
 
-/// A transducer that does not turn. Its silence has a mark of its own in the log: a range of just `r_max` is an echo.
-fn fixed(sensor: Sensor) -> Transducer {
+/// A transducer that does not turn. A missing echo has a mark of its own in the log, so that a range of `r_max` is an echo.
+pub(super) fn fixed(sensor: Sensor) -> Transducer {
     let sensor = Sensor { at_r_max: AtMax::Hit, ..sensor };
-    let noise = if sensor.kind == Kind::Sonar { (0.004, 0.002) } else { (0.01, 0.0) };
+    let (metres, share) = if sensor.kind == Kind::Sonar { (0.004, 0.002) } else { (0.01, 0.0) };
+    let noise = Noise { metres, share };
     Transducer { sensor, beams: 1, step: 0.0, circles: false, noise }
 }
 
@@ -104,7 +78,8 @@ impl Rig {
     /// # Errors
     /// [`Error::Usage`] for any other name.
     pub fn named(name: &str) -> Result<Rig> {
-        let sonars = name.strip_prefix("ring").and_then(|n| n.parse::<u32>().ok()).filter(|n| (1..=MOST).contains(n));
+        let sonars =
+            name.strip_prefix("ring").and_then(|n| n.parse::<u32>().ok()).filter(|n| (1..=MAX_SONARS).contains(n));
         let transducers = match name {
             "dense" => {
                 vec![Transducer { beams: 200, step: PI / 100.0, circles: true, ..fixed(sonar("dense", 0.14, 0.0)?) }]
@@ -128,7 +103,7 @@ impl Rig {
                 let Some(n) = sonars else {
                     let hint = crate::support::similar::similar(name, &RIGS);
                     return Err(Error::Usage(format!(
-                        "there is no rig {name:?}{hint}; ringN is a ring of 1 to {MOST}"
+                        "there is no rig {name:?}{hint}; ringN is a ring of 1 to {MAX_SONARS}"
                     )));
                 };
                 let one = |k: u32| Ok(fixed(sonar(&k.to_string(), 0.18, f64::from(k) * TAU / f64::from(n))?));
@@ -138,7 +113,7 @@ impl Rig {
         Ok(Rig { name: name.into(), transducers, physics: Physics::default(), spurious: 0.004, cross_talk: 0.004 })
     }
 
-    /// How far its transducers sit from the robot's centre at most, metres.
+    /// The farthest distance of a transducer from the robot's centre, metres.
     pub fn spread(&self) -> f64 {
         self.transducers.iter().map(|t| t.sensor.x.hypot(t.sensor.y)).fold(0.0, f64::max)
     }
@@ -149,166 +124,37 @@ impl Rig {
         sonars.map(|t| t.sensor.r_max).fold(0.0, f64::max)
     }
 
-    /// Whether a wall stands between the robot and one of its transducers at one of these stops; what to say of it.
-    pub(crate) fn check(&self, index: &Index, stops: &[Stop]) -> std::result::Result<(), String> {
+    /// Fails where a wall lies between the robot and one of its transducers.
+    ///
+    /// # Errors
+    /// The message, without its place.
+    pub(crate) fn check(&self, index: &ShapeIndex, trajectory: &[TimedPose]) -> std::result::Result<(), String> {
         let spread = self.spread();
-        for (k, (_, robot)) in stops.iter().enumerate() {
-            let at = (robot.x, robot.y);
-            let near = index.near(at, spread);
+        for (k, TimedPose { pose: robot, .. }) in trajectory.iter().enumerate() {
+            let at = robot.position();
+            let near = index.within(at, spread);
             if near.is_empty() {
                 continue;
             }
             let beyond = self.transducers.iter().find(|t| {
-                let place = robot.compose(t.sensor.x, t.sensor.y, 0.0);
+                let place = robot.compose(t.sensor.x, t.sensor.y, 0.0).position();
                 let radius = t.sensor.x.hypot(t.sensor.y);
-                if t.circles { !index.near(at, radius).is_empty() } else { !index.reaches(at, (place.x, place.y)) }
+                if t.circles { !index.within(at, radius).is_empty() } else { !index.unobstructed(at, place) }
             });
             if let Some(t) = beyond {
                 let (id, off) = (&t.sensor.id, t.sensor.x.hypot(t.sensor.y));
                 return Err(format!(
                     "scan {k} at [{}, {}]: a wall stands between the robot and its sensor {id:?}, {off:.2} m off: keep \
                      the path farther from walls, or carry a smaller rig",
-                    at.0, at.1
+                    at.x, at.y
                 ));
             }
         }
         Ok(())
     }
 
-    /// Readings of one scan.
+    /// The number of readings in one scan.
     pub fn readings(&self) -> u64 {
         self.transducers.iter().map(|t| u64::from(t.beams)).sum()
     }
-
-    /// Reads `[rig]` and `[[sensor]]`; without either the dense scan.
-    pub(crate) fn read(part: Option<&Part<'_>>, sensors: &[Part<'_>]) -> Result<Rig> {
-        let mut rig = Rig::named("dense")?;
-        if let Some(part) = part {
-            part.check(&RIG)?;
-            if let Some((name, at)) = part.word("kind")? {
-                rig = Rig::named(name).map_err(|e| part.text.fail(&at, format!("kind: {e}")))?;
-            }
-        }
-        if !sensors.is_empty() {
-            rig.name = "sensors".into();
-            rig.transducers.clear();
-            for part in sensors {
-                let next = read_sensor(part, rig.transducers.len())?;
-                if rig.transducers.iter().any(|t| t.sensor.id == next.sensor.id) {
-                    return Err(part
-                        .text
-                        .fail(&part.at, format!("two sensors are called {:?}: give each its id", next.sensor.id)));
-                }
-                rig.transducers.push(next);
-            }
-        }
-        if let Some(part) = part {
-            rig.adjust(part)?;
-        }
-        Ok(rig)
-    }
-
-    /// Lays the values of `[rig]` over every sensor.
-    fn adjust(&mut self, part: &Part<'_>) -> Result<()> {
-        if let Some(bounces) = part.count("bounces")? {
-            if !(1..=3).contains(&bounces) {
-                return Err(part.text.fail(&part.place("bounces"), format!("bounces = {bounces}: takes 1, 2 or 3")));
-            }
-            self.physics.bounces = bounces as u8;
-        }
-        self.physics.specular = part.flag("specular")?.unwrap_or(self.physics.specular);
-        for (key, slot, most) in [
-            ("spurious", &mut self.spurious, 0.5),
-            ("cross_talk", &mut self.cross_talk, 0.5),
-            ("flutter", &mut self.physics.flutter, 1.0),
-        ] {
-            if let Some(share) = part.length(key)? {
-                if !(0.0..=most).contains(&share) {
-                    return Err(part.text.fail(&part.place(key), format!("{key} = {share}: takes 0 to {most}")));
-                }
-                *slot = share;
-            }
-        }
-        let radius = part.length("radius")?;
-        if let Some(r) = radius.filter(|r| *r < 0.0) {
-            return Err(part.text.fail(&part.place("radius"), format!("radius = {r:?}: takes 0 or more")));
-        }
-        let step = part.angle("step")?;
-        if step.is_some() && self.transducers.iter().all(|t| t.beams == 1) {
-            let what = format!("step is for sensors that turn, as in dense and laser; those of {} do not", self.name);
-            return Err(part.text.fail(&part.place("step"), what));
-        }
-        for t in &mut self.transducers {
-            if let Some(r) = radius {
-                (t.sensor.x, t.sensor.y) = (r * t.sensor.axis.cos(), r * t.sensor.axis.sin());
-            }
-            if let Some(step) = step.filter(|_| t.beams > 1) {
-                if !(1e-4..=1.0).contains(&step) {
-                    return Err(part.text.fail(&part.place("step"), "step takes 0.006deg to 57deg"));
-                }
-                t.beams = if t.circles { (TAU / step).round() as u32 } else { (PI / step).round() as u32 + 1 };
-                t.step = step;
-            }
-            let mut upper = Description::default();
-            for key in ["half_width", "r_min", "r_max", "hit_range", "no_echo_range"] {
-                if let Some(value) = part.value(key)? {
-                    upper.set(key, &value).map_err(|what| part.text.fail(&part.place(key), what))?;
-                }
-            }
-            t.sensor = laid(&t.sensor, &upper).map_err(|what| part.text.fail(&part.at, what))?;
-            noise(part, &mut t.noise)?;
-        }
-        Ok(())
-    }
-}
-
-/// A sensor with a description laid over it.
-fn laid(s: &Sensor, upper: &Description) -> std::result::Result<Sensor, String> {
-    let mut d = Description {
-        id: Some(s.id.clone()),
-        kind: Some(s.kind),
-        x: Some(s.x),
-        y: Some(s.y),
-        axis: Some(s.axis),
-        half_width: Some(s.half_width),
-        r_min: Some(s.r_min),
-        r_max: Some(s.r_max),
-        at_r_max: Some(s.at_r_max),
-        hit_range: Some(s.hit_range).filter(|h| *h != s.r_max),
-        no_echo_range: Some(s.no_echo_range),
-        ..Description::default()
-    };
-    d.merge(upper);
-    d.complete(0)
-}
-
-/// Reads one `[[sensor]]`.
-fn read_sensor(part: &Part<'_>, index: usize) -> Result<Transducer> {
-    part.check(&SENSOR)?;
-    let mut d = Description::default();
-    for key in SENSOR.iter().filter(|k| !k.starts_with("noise")) {
-        if let Some(value) = part.value(key)? {
-            d.set(key, &value).map_err(|what| part.text.fail(&part.place(key), what))?;
-        }
-    }
-    let sensor = d.complete(index).map_err(|what| part.text.fail(&part.at, what))?;
-    let mut t = fixed(sensor);
-    if let Some(beams) = d.beams {
-        t.beams = beams;
-        t.step = part.need("step", d.step, "\"0.5deg\"")?;
-    }
-    noise(part, &mut t.noise)?;
-    Ok(t)
-}
-
-fn noise(part: &Part<'_>, noise: &mut (f64, f64)) -> Result<()> {
-    for (key, slot) in [("noise", &mut noise.0), ("noise_share", &mut noise.1)] {
-        if let Some(v) = part.length(key)? {
-            if !(0.0..=1.0).contains(&v) {
-                return Err(part.text.fail(&part.place(key), format!("{key} = {v}: takes 0 to 1")));
-            }
-            *slot = v;
-        }
-    }
-    Ok(())
 }

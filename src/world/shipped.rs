@@ -1,6 +1,6 @@
-//! The worlds that come with the program, by name: no clone is needed to simulate one or to score against it.
+//! The built-in worlds, by name: no checkout is needed to simulate one or to score against it.
 
-use super::World;
+use super::model::World;
 use crate::{Error, Result};
 use std::path::Path;
 
@@ -23,18 +23,18 @@ macro_rules! shipped {
 pub const SHIPPED: [Shipped; 6] = shipped!["room", "turned", "bend", "cartons", "floor", "campus"];
 
 impl Shipped {
-    /// The one of a name.
+    /// The built-in world of a name.
     pub fn named(name: &Path) -> Option<&'static Shipped> {
         SHIPPED.iter().find(|s| Path::new(s.name) == name)
     }
 
-    /// What it is, from the comment at its file's head.
+    /// Its description, from the comment at the head of its file.
     pub fn about(&self) -> String {
         let comment = self.text.lines().map_while(|l| l.strip_prefix('#')).map(str::trim);
         comment.collect::<Vec<_>>().join(" ")
     }
 
-    /// What to tell a user of a name that is a file's or a folder's as well: the built-in world is meant.
+    /// A note for the user where a file or a folder has the name of a built-in world: the built-in world is used.
     pub fn beside_file(name: &Path) -> Option<String> {
         let shipped = Shipped::named(name).filter(|_| name.exists())?;
         Some(format!("{0} is the built-in world; for what is called so in this folder write ./{0}", shipped.name))
@@ -42,10 +42,10 @@ impl Shipped {
 }
 
 impl World {
-    /// The world of a name that is built in, or of a file. A built-in name is never a file: `./room` is one.
+    /// The built-in world of a name, or the world of a file. A file with a built-in name is written `./room`.
     ///
     /// # Errors
-    /// [`Error::Input`] as for [`World::open`], with the names that there are where there is no such file.
+    /// [`Error::Input`] as for [`World::open`]; where there is no such file, with the names of the built-in worlds.
     pub fn find(name: &Path) -> Result<World> {
         match Shipped::named(name) {
             Some(shipped) => World::parse(Path::new(&format!("{} (built in)", shipped.name)), shipped.text),
@@ -55,7 +55,7 @@ impl World {
     }
 }
 
-/// Which built-in world was meant, or which there are.
+/// The built-in world with the most similar name, or the list of all.
 pub(crate) fn meant(name: &Path) -> String {
     let stem = name.file_stem().map(|s| s.to_string_lossy().to_lowercase()).unwrap_or_default();
     let near = |s: &&Shipped| strsim::jaro_winkler(&stem, s.name);

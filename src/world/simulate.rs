@@ -1,11 +1,12 @@
-//! Drives a rig through a world. Every reading has a generator of its own, seeded by (seed, scan, number), so that a log
-//! is the same for a seed whatever the number of threads.
+//! Simulates the log of a rig that follows a world's trajectory. Every reading has a random generator of its own, seeded by
+//! (seed, scan, number), so that a log depends on the seed and not on the number of threads.
 
-use super::World;
-use super::echo::{Ping, Scene};
+use super::model::World;
 use super::path::rounded;
 use super::random::Random;
 use super::rig::{Rig, Transducer};
+use super::scene::{Listener, Scene};
+use super::sonar::{Beam, Detection};
 use crate::log::Writer;
 use crate::log::reading::{Pose, Record};
 use crate::sensor::Kind;
@@ -14,14 +15,14 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::io::Write;
 
-/// Scans simulated at a time, before they are written.
+/// Scans that are simulated before they are written.
 const CHUNK: u64 = 256;
-/// Ranges are whole multiples of 1/this metres.
-const PER_METRE: f64 = 100.0;
-/// False echoes come from no farther, metres.
-const FALSE_REACH: f64 = 1.5;
+/// Steps of a reported range in one metre.
+const STEPS_PER_METRE: f64 = 100.0;
+/// The farthest false echo, metres.
+const FALSE_ECHO_RANGE: f64 = 1.5;
 
-/// How a simulation went.
+/// What a simulation wrote.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Simulated {
     /// Scans.
@@ -32,25 +33,32 @@ pub struct Simulated {
     pub no_echo: u64,
 }
 
-/// Simulates `scans` scans (by default one at each of the path's stops; more go round the path again) and writes them as
-/// they come. `progress` gets the number of scans done.
+/// What to simulate.
+#[derive(Debug, Clone, Copy)]
+pub struct Simulation<'a> {
+    /// The world.
+    pub world: &'a World,
+    /// The robot's sensors.
+    pub rig: &'a Rig,
+    /// The seed of all random numbers.
+    pub seed: u64,
+    /// The number of scans; `None`: one at each pose of the trajectory. More repeat the trajectory.
+    pub scans: Option<u64>,
+}
+
+/// Simulates a log and writes it to `out`, in constant memory. `progress` gets the number of scans done.
 ///
 /// # Errors
-/// [`Error::Usage`] if the rig does not fit through the world; [`Error::Resources`] if the log can't be written.
-pub fn simulate<W: Write>(
-    world: &World,
-    rig: &Rig,
-    seed: u64,
-    scans: Option<u64>,
-    out: W,
-    progress: &dyn Fn(u64),
-) -> Result<(Simulated, W)> {
+/// [`Error::Usage`] if the rig does not fit through the world, or no scan is asked for; [`Error::Resources`] if the log
+/// can't be written.
+pub fn simulate<W: Write>(simulation: &Simulation<'_>, out: W, progress: &dyn Fn(u64)) -> Result<(Simulated, W)> {
+    let Simulation { world, rig, seed, scans } = *simulation;
     if *rig != world.rig {
-        rig.check(&world.index, &world.stops).map_err(Error::Usage)?;
+        rig.check(&world.index, &world.trajectory).map_err(Error::Usage)?;
     }
     let sensors: Vec<_> = rig.transducers.iter().map(|t| t.sensor.clone()).collect();
     let mut writer = Writer::new(out, &sensors, &world.classes)?;
-    let scans = scans.unwrap_or(world.stops.len() as u64);
+    let scans = scans.unwrap_or(world.trajectory.len() as u64);
     let mut done = Simulated { scans, ..Simulated::default() };
     let mut first = 0;
     while first < scans {
@@ -70,14 +78,15 @@ pub fn simulate<W: Write>(
     Ok((done, writer.finish()?))
 }
 
-/// The readings of one scan, in the rig's order; a missing echo's range is +∞.
+/// The readings of one scan, in the order of the rig; the range of a missing echo is +∞.
 pub fn scan(world: &World, rig: &Rig, seed: u64, scan: u64) -> Vec<Record> {
-    let Some((robot, t)) = world.stop(scan) else { return Vec::new() };
+    let Some((robot, t)) = world.scan_pose(scan) else { return Vec::new() };
     let reach = rig.sonar_reach();
     let scene = (reach > 0.0).then(|| {
         let [low, high] = [-1.0, 1.0].map(|s| robot.x + s * (reach + rig.spread()));
         let corners = world.corners_between(low, high);
-        Scene::new(&world.index, corners, (robot.x, robot.y), rig.spread(), reach, rig.physics)
+        let listener = Listener { centre: robot.position(), spread: rig.spread(), reach };
+        Scene::new(&world.index, corners, listener, rig.physics)
     });
     let start = Random::new(mix(seed, scan, u64::MAX)).uniform(0.0, TAU);
     let mut records = Vec::with_capacity(rig.readings() as usize);
@@ -86,12 +95,13 @@ pub fn scan(world: &World, rig: &Rig, seed: u64, scan: u64) -> Vec<Record> {
             let pose = transducer.pose(robot, start, beam);
             let number = records.len() as u64;
             let mut random = Random::new(mix(seed, scan, number));
-            let heard = match (transducer.sensor.kind, &scene) {
+            let detected = match (transducer.sensor.kind, &scene) {
                 (Kind::Sonar, Some(scene)) => sonar(scene, rig, transducer, pose, &mut random),
                 _ => laser(world, transducer, pose, &mut random),
             };
-            let (range, label) = heard.unwrap_or((f64::INFINITY, None));
-            let line = scan * rig.readings() + number + 2; // as the log on disk has it, after its header
+            let Detection { distance: range, class: label } =
+                detected.unwrap_or(Detection { distance: f64::INFINITY, class: None });
+            let line = scan * rig.readings() + number + 2; // its line in the log, after the header
             records.push(Record { t, scan, sensor: index, robot, pose, range, label, line });
         }
     }
@@ -99,7 +109,7 @@ pub fn scan(world: &World, rig: &Rig, seed: u64, scan: u64) -> Vec<Record> {
 }
 
 impl Transducer {
-    /// Its pose for one of its readings.
+    /// Its pose for one of its readings; `start` is the bearing at which a circular scan begins, radians.
     fn pose(&self, robot: Pose, start: f64, beam: u32) -> Pose {
         let turn = f64::from(beam) * self.step;
         if self.circles {
@@ -110,36 +120,34 @@ impl Transducer {
         rounded(robot.compose(self.sensor.x, self.sensor.y, self.sensor.axis + off))
     }
 
-    /// A range as the sensor reports it; `None` beyond its limits.
+    /// The range that the sensor reports of a distance, with noise, metres; `None` beyond its limits.
     fn report(&self, d: f64, random: &mut Random) -> Option<f64> {
-        let noisy = d + (self.noise.0 + self.noise.1 * d) * random.normal();
-        let z = (noisy * PER_METRE).round() / PER_METRE;
+        let noisy = d + (self.noise.metres + self.noise.share * d) * random.normal();
+        let z = (noisy * STEPS_PER_METRE).round() / STEPS_PER_METRE;
         (z >= self.sensor.r_min && z <= self.sensor.r_max).then_some(z)
     }
 }
 
-/// What a sonar reports: an echo, now and then a false one or another beam's.
-fn sonar(scene: &Scene, rig: &Rig, t: &Transducer, pose: Pose, random: &mut Random) -> Option<(f64, Option<u16>)> {
+/// What a sonar reports: an echo, a false one, or the echo of another beam.
+fn sonar(scene: &Scene, rig: &Rig, t: &Transducer, pose: Pose, random: &mut Random) -> Option<Detection> {
     let s = &t.sensor;
-    let fate = random.unit();
-    if fate < rig.spurious {
-        let d = random.uniform(s.r_min, FALSE_REACH.clamp(s.r_min, s.r_max));
-        return t.report(d, random).map(|z| (z, None));
+    let chance = random.unit();
+    if chance < rig.spurious {
+        let d = random.uniform(s.r_min, FALSE_ECHO_RANGE.clamp(s.r_min, s.r_max));
+        return t.report(d, random).map(|distance| Detection { distance, class: None });
     }
-    let stray = fate < rig.spurious + rig.cross_talk;
-    let heading = if stray { random.uniform(0.0, TAU) } else { pose.heading };
-    let (sin, cos) = heading.sin_cos();
-    let ping =
-        Ping { at: (pose.x, pose.y), axis: (cos, sin), half_width: s.half_width, r_min: s.r_min, r_max: s.r_max };
-    let (d, class) = scene.listen(&ping, random)?;
-    t.report(d, random).map(|z| (z, class.filter(|_| !stray)))
+    let cross_talk = chance < rig.spurious + rig.cross_talk;
+    let heading = if cross_talk { random.uniform(0.0, TAU) } else { pose.heading };
+    let axis = Pose { heading, ..pose }.direction();
+    let beam = Beam { origin: pose.position(), axis, half_width: s.half_width, r_min: s.r_min, r_max: s.r_max };
+    let Detection { distance, class } = scene.detect(&beam, random)?;
+    t.report(distance, random).map(|distance| Detection { distance, class: class.filter(|_| !cross_talk) })
 }
 
 /// What a laser beam reports.
-fn laser(world: &World, t: &Transducer, pose: Pose, random: &mut Random) -> Option<(f64, Option<u16>)> {
-    let (sin, cos) = pose.heading.sin_cos();
-    let met = world.index.ray((pose.x, pose.y), (cos, sin), t.sensor.r_max)?;
-    t.report(met.distance, random).map(|z| (z, met.class))
+fn laser(world: &World, t: &Transducer, pose: Pose, random: &mut Random) -> Option<Detection> {
+    let hit = world.index.cast_ray(pose.position(), pose.direction(), t.sensor.r_max)?;
+    t.report(hit.distance, random).map(|distance| Detection { distance, class: hit.class })
 }
 
 /// One seed from three numbers.

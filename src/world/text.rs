@@ -1,4 +1,4 @@
-//! Reads a world's TOML with the line of every key and value, so that an error can say where and what to do.
+//! Reads the tables of a world's TOML file. Every key and value has its span, so that an error can name its line.
 
 use crate::geometry::plane::Point;
 use crate::sensor::{SensorValue as Value, angle, length};
@@ -9,47 +9,49 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A file's text, for its lines.
-pub(crate) struct Text<'a> {
+/// Bytes of the file, from and to.
+pub(crate) type Span = Range<usize>;
+
+/// The text of a file, for the lines of its spans.
+pub(crate) struct SourceText<'a> {
     pub path: &'a Path,
     pub text: &'a str,
     /// Where each line ends.
     ends: Vec<usize>,
 }
 
-/// Reads a number with its unit.
+/// Parses a number with its unit.
 type Quantity = fn(&str) -> std::result::Result<f64, String>;
 
-/// Anything read, with its place.
-pub(crate) type At<T> = (T, Range<usize>);
-
-impl<'a> Text<'a> {
-    pub fn new(path: &'a Path, text: &'a str) -> Text<'a> {
-        Text { path, text, ends: text.match_indices('\n').map(|(k, _)| k).collect() }
+impl<'a> SourceText<'a> {
+    pub fn new(path: &'a Path, text: &'a str) -> SourceText<'a> {
+        SourceText { path, text, ends: text.match_indices('\n').map(|(k, _)| k).collect() }
     }
 
-    pub fn line(&self, at: &Range<usize>) -> u64 {
-        self.ends.partition_point(|end| *end < at.start) as u64 + 1
+    /// The line of a span, from 1.
+    pub fn line(&self, span: &Span) -> u64 {
+        self.ends.partition_point(|end| *end < span.start) as u64 + 1
     }
 
-    pub fn fail(&self, at: &Range<usize>, what: impl Into<String>) -> Error {
-        Error::at(self.path, self.line(at), what)
+    /// An error at a span.
+    pub fn fail(&self, span: &Span, what: impl Into<String>) -> Error {
+        Error::at(self.path, self.line(span), what)
     }
 }
 
 /// One table of the file.
-pub(crate) struct Part<'a> {
-    pub text: &'a Text<'a>,
-    /// As the file writes it, such as `[[wall]]`.
+pub(crate) struct Table<'a> {
+    pub text: &'a SourceText<'a>,
+    /// As it is written, such as `[[wall]]`.
     pub name: &'static str,
-    pub table: &'a DeTable<'a>,
-    pub at: Range<usize>,
+    pub entries: &'a DeTable<'a>,
+    pub span: Span,
 }
 
-impl<'a> Part<'a> {
-    /// Refuses keys that aren't known.
+impl<'a> Table<'a> {
+    /// Refuses unknown keys.
     pub fn check(&self, known: &[&str]) -> Result<()> {
-        for key in self.table.keys() {
+        for key in self.entries.keys() {
             let name: &str = key.get_ref();
             if !known.contains(&name) {
                 let what = format!("{} has no key {name:?}{}", self.name, similar(name, known));
@@ -59,46 +61,60 @@ impl<'a> Part<'a> {
         Ok(())
     }
 
+    /// The value of a key.
     pub fn get(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
-        self.table.iter().find(|(k, _)| k.get_ref() == key).map(|(_, v)| v)
+        self.entries.iter().find(|(k, _)| k.get_ref() == key).map(|(_, v)| v)
     }
 
-    /// A key that must be there.
+    /// The tables of a key: `[name]`, or every `[[name]]`.
+    pub fn tables(&self, key: &str, name: &'static str) -> Result<Vec<Table<'a>>> {
+        let Some(value) = self.get(key) else { return Ok(Vec::new()) };
+        let wrong = |span: Span| self.text.fail(&span, format!("{key} is a table: write {name}"));
+        let table = |v: &'a Spanned<DeValue<'a>>| match v.get_ref() {
+            DeValue::Table(entries) => Ok(Table { text: self.text, name, entries, span: v.span() }),
+            _ => Err(wrong(v.span())),
+        };
+        match value.get_ref() {
+            DeValue::Array(items) if name.starts_with("[[") => items.iter().map(table).collect(),
+            DeValue::Table(_) if !name.starts_with("[[") => Ok(vec![table(value)?]),
+            _ => Err(wrong(value.span())),
+        }
+    }
+
+    /// The value of a required key; the error shows an example.
     pub fn need<T>(&self, key: &str, value: Option<T>, example: &str) -> Result<T> {
-        value.ok_or_else(|| self.text.fail(&self.at, format!("{} has no {key}: add {key} = {example}", self.name)))
+        value.ok_or_else(|| self.text.fail(&self.span, format!("{} has no {key}: add {key} = {example}", self.name)))
     }
 
-    /// The place of a key's value, or of the table.
-    pub fn place(&self, key: &str) -> Range<usize> {
-        self.get(key).map_or(self.at.clone(), |v| v.span())
+    /// An error at the value of a key, or at the table if it has no such key.
+    pub fn fail(&self, key: &str, what: impl Into<String>) -> Error {
+        self.text.fail(&self.get(key).map_or(self.span.clone(), |v| v.span()), what)
     }
 
-    /// Metres.
+    /// A length, metres.
     pub fn length(&self, key: &str) -> Result<Option<f64>> {
         self.get(key).map(|v| self.quantity(key, v, length)).transpose()
     }
 
-    /// Radians.
+    /// An angle, radians.
     pub fn angle(&self, key: &str) -> Result<Option<f64>> {
         self.get(key).map(|v| self.quantity(key, v, angle)).transpose()
     }
 
-    /// Metres, more than 0.
+    /// A length greater than 0, metres.
     pub fn positive(&self, key: &str) -> Result<Option<f64>> {
         match self.length(key)? {
-            Some(v) if v <= 0.0 => {
-                Err(self.text.fail(&self.place(key), format!("{key} = {v:?}: {key} takes more than 0")))
-            }
+            Some(v) if v <= 0.0 => Err(self.fail(key, format!("{key} = {v:?}: {key} takes more than 0"))),
             other => Ok(other),
         }
     }
 
     /// `true` or `false`.
     pub fn flag(&self, key: &str) -> Result<Option<bool>> {
-        match self.get(key).map(|v| (v.get_ref(), v.span())) {
+        match self.get(key).map(Spanned::get_ref) {
             None => Ok(None),
-            Some((DeValue::Boolean(b), _)) => Ok(Some(*b)),
-            Some((_, at)) => Err(self.text.fail(&at, format!("{key} takes true or false"))),
+            Some(DeValue::Boolean(b)) => Ok(Some(*b)),
+            Some(_) => Err(self.fail(key, format!("{key} takes true or false"))),
         }
     }
 
@@ -113,33 +129,34 @@ impl<'a> Part<'a> {
         .ok_or_else(|| self.text.fail(&value.span(), format!("{key} takes a whole number from 0")))
     }
 
-    /// A text.
-    pub fn word(&self, key: &str) -> Result<Option<At<&'a str>>> {
+    /// A string.
+    pub fn string(&self, key: &str) -> Result<Option<Spanned<&'a str>>> {
         match self.get(key).map(|v| (v.get_ref(), v.span())) {
             None => Ok(None),
-            Some((DeValue::String(text), at)) => Ok(Some((text.as_ref(), at))),
-            Some((_, at)) => Err(self.text.fail(&at, format!("{key} takes a text in quotes"))),
+            Some((DeValue::String(text), span)) => Ok(Some(Spanned::new(span, text.as_ref()))),
+            Some((_, span)) => Err(self.text.fail(&span, format!("{key} takes a text in quotes"))),
         }
     }
 
-    /// A list of texts.
-    pub fn words(&self, key: &str) -> Result<Vec<String>> {
-        let mut words = Vec::new();
+    /// A list of strings; empty where there is no such key.
+    pub fn strings(&self, key: &str) -> Result<Vec<String>> {
+        let mut strings = Vec::new();
         for value in self.list(key)?.unwrap_or_default() {
             match value.get_ref() {
-                DeValue::String(text) => words.push(text.to_string()),
+                DeValue::String(text) => strings.push(text.to_string()),
                 _ => return Err(self.text.fail(&value.span(), format!("{key} takes a list of texts"))),
             }
         }
-        Ok(words)
+        Ok(strings)
     }
 
-    /// One of some names.
+    /// One of the known names.
     pub fn choice<T: Copy>(&self, key: &str, known: &[(&str, T)], default: T) -> Result<T> {
-        let Some((word, at)) = self.word(key)? else { return Ok(default) };
+        let Some(word) = self.string(key)? else { return Ok(default) };
+        let (span, word) = (word.span(), word.into_inner());
         let names: Vec<&str> = known.iter().map(|k| k.0).collect();
         known.iter().find(|k| k.0 == word).map(|k| k.1).ok_or_else(|| {
-            self.text.fail(&at, format!("{key} = {word:?}: there is no such {key}{}", similar(word, &names)))
+            self.text.fail(&span, format!("{key} = {word:?}: there is no such {key}{}", similar(word, &names)))
         })
     }
 
@@ -147,19 +164,20 @@ impl<'a> Part<'a> {
         match self.get(key).map(|v| (v.get_ref(), v.span())) {
             None => Ok(None),
             Some((DeValue::Array(items), _)) => Ok(Some(items.iter().collect())),
-            Some((_, at)) => Err(self.text.fail(&at, format!("{key} takes a list, in [ ]"))),
+            Some((_, span)) => Err(self.text.fail(&span, format!("{key} takes a list, in [ ]"))),
         }
     }
 
-    /// One point, `[x, y]`.
+    /// A point, `[x, y]`.
     pub fn point(&self, key: &str) -> Result<Option<Point>> {
-        self.get(key).map(|v| self.row(key, v, 2).map(|r| (r[0], r[1]))).transpose()
+        self.get(key).map(|v| self.row(key, v, 2).map(|r| Point::new(r[0], r[1]))).transpose()
     }
 
     /// A list of rows of 2 numbers, or up to `most`; the third is an angle.
-    pub fn rows(&self, key: &str, most: usize) -> Result<Option<Vec<At<Vec<f64>>>>> {
+    pub fn rows(&self, key: &str, most: usize) -> Result<Option<Vec<Spanned<Vec<f64>>>>> {
         let Some(items) = self.list(key)? else { return Ok(None) };
-        items.into_iter().map(|v| Ok((self.row(key, v, most)?, v.span()))).collect::<Result<_>>().map(Some)
+        let row = |v: &Spanned<DeValue<'_>>| Ok(Spanned::new(v.span(), self.row(key, v, most)?));
+        items.into_iter().map(row).collect::<Result<_>>().map(Some)
     }
 
     fn row(&self, key: &str, value: &Spanned<DeValue<'_>>, most: usize) -> Result<Vec<f64>> {
@@ -179,13 +197,13 @@ impl<'a> Part<'a> {
     }
 
     fn quantity(&self, key: &str, value: &Spanned<DeValue<'_>>, read: Quantity) -> Result<f64> {
-        let found = match value.get_ref() {
+        let parsed = match value.get_ref() {
             DeValue::Integer(i) if i.radix() == 10 => read(i.as_str()),
             DeValue::Float(f) => read(f.as_str()),
             DeValue::String(s) => read(s),
             _ => read(""),
         };
-        match found {
+        match parsed {
             Ok(v) if v.abs() <= 1e6 => Ok(v),
             Ok(v) => {
                 Err(self.text.fail(&value.span(), format!("{key}: {v:?} is farther than 1e6: give a smaller number")))
@@ -197,7 +215,7 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// A value as the sensors' tables take it.
+    /// A value for a sensor's description.
     pub fn value(&self, key: &str) -> Result<Option<Value>> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let number = |text: &str| text.parse().map(Value::Number).ok();

@@ -1,12 +1,13 @@
 //! Concave corners of the walls x = 3 and y = 4, at (3, 4).
 
-use crate::common::{above, equal, gap, near, point, region, right, way};
+use crate::common::{above, equal, gap, near, p, point, region, right};
 use echogrid::feature::corner::{corners, cut};
 use echogrid::feature::rcd::Source;
-use echogrid::feature::{Corner, Features, Rcd, Rules, Spot, Wall};
-use echogrid::geometry::plane::Point;
+use echogrid::feature::{Corner, Features, PointFeature, Rcd, Rules, Wall};
+use echogrid::geometry::plane::{Point, Vector};
+use nalgebra::{Isometry2, UnitComplex};
 
-const AT: Point = (3.0, 4.0);
+const AT: Point = Point::new(3.0, 4.0);
 
 /// The walls, up to so far from where they meet; made of no region.
 fn walls(beside: f64, below: f64) -> Features {
@@ -31,13 +32,13 @@ fn a_corner_that_answers_is_found_with_its_legs() {
     near(all[0].at, AT, 1e-9);
     assert_eq!(all[0].walls, [0, 1]);
     equal(all[0].probability, 1.0);
-    let legs = all[0].legs.map(Option::unwrap);
-    near(legs[0][0], AT, 1e-9);
-    near(legs[0][1], (3.0, 3.0), 1e-9);
-    near(legs[1][1], (2.5, 4.0), 1e-9);
+    let extrapolated_walls = all[0].extrapolated_walls.map(Option::unwrap);
+    near(extrapolated_walls[0][0], AT, 1e-9);
+    near(extrapolated_walls[0][1], (3.0, 3.0), 1e-9);
+    near(extrapolated_walls[1][1], (2.5, 4.0), 1e-9);
     // no leg along a wall that reaches it
     let all = found(&walls(0.5, -0.1), &[answer(0.0)], &[]);
-    assert_eq!(all[0].legs[0], None);
+    assert_eq!(all[0].extrapolated_walls[0], None);
 }
 
 #[test]
@@ -95,10 +96,10 @@ fn a_corner_lies_at_the_walls_ends() {
 fn nothing_crosses_its_legs() {
     let features = walls(2.0, 1.0);
     // the leg along y = 4 goes from x = 3 to 1
-    assert_eq!(found(&features, &[answer(0.0)], &[[(2.0, 3.5), (2.0, 4.5)]]), [], "the robot went through");
-    assert_eq!(found(&features, &[answer(0.0)], &[[(0.5, 3.5), (0.5, 4.5)], [(2.0, 3.0), (2.0, 3.9)]]).len(), 1);
+    assert_eq!(found(&features, &[answer(0.0)], &[[p(2.0, 3.5), p(2.0, 4.5)]]), [], "the robot went through");
+    assert_eq!(found(&features, &[answer(0.0)], &[[p(0.5, 3.5), p(0.5, 4.5)], [p(2.0, 3.0), p(2.0, 3.9)]]).len(), 1);
     let mut with = features.clone();
-    with.walls.push(Wall { normal: (1.0, 0.0), offset: 2.0, extent: [3.5, 4.5], rcds: Vec::new() });
+    with.walls.push(Wall { normal: Vector::new(1.0, 0.0), offset: 2.0, extent: [3.5, 4.5], rcds: Vec::new() });
     assert_eq!(found(&with, &[answer(0.0)], &[]).len(), 0, "a wall stands across");
     // sightings of another wall through the leg: as many as answer from the corner are let be
     let beyond = |x: f64| region((x, 3.0), 90.0, 3.0, 0.2, 5);
@@ -123,33 +124,30 @@ fn of_corners_within_20_cm_the_likeliest_stays() {
 fn a_wall_that_overshoots_is_cut_and_a_point_there_is_the_corner() {
     let mut features = walls(-0.3, 0.5);
     features.corners = found(&features, &[answer(0.0)], &[]);
-    features.spots = [(3.1, 4.1), (2.0, 2.0)].map(|at| Spot { at, rcds: Vec::new() }).to_vec();
+    features.points = [p(3.1, 4.1), p(2.0, 2.0)].map(|at| PointFeature { at, rcds: Vec::new() }).to_vec();
     cut(&mut features);
     let ends = features.walls[1].ends();
     near(ends[0], AT, 1e-9);
     near(ends[1], (-1.0, 4.0), 1e-9);
     near(features.walls[0].ends()[1], (3.0, 3.5), 1e-9);
-    assert_eq!(features.spots.iter().map(|s| s.at).collect::<Vec<_>>(), [(2.0, 2.0)]);
+    assert_eq!(features.points.iter().map(|s| s.at).collect::<Vec<_>>(), [p(2.0, 2.0)]);
 }
 
 #[test]
 fn the_frame_does_not_matter() {
     // all of it turned by 37° and moved
-    let turn = |p: Point| {
-        let (x, y) = way(37.0);
-        (p.0 * x - p.1 * y, p.0 * y + p.1 * x)
-    };
-    let moved = |p: Point| (turn(p).0 + 20.0, turn(p).1 - 7.0);
+    let turn = UnitComplex::new(37f64.to_radians());
+    let moved = Isometry2::from_parts(Vector::new(20.0, -7.0).into(), turn);
     let mut features = walls(0.5, 1.0);
     for wall in &mut features.walls {
-        let ends = wall.ends().map(moved);
-        wall.normal = turn(wall.normal);
-        wall.offset = wall.normal.0 * ends[0].0 + wall.normal.1 * ends[0].1;
+        let ends = wall.ends().map(|end| moved * end);
+        wall.normal = turn * wall.normal;
+        wall.offset = wall.normal.dot(&ends[0].coords);
         wall.extent = ends.map(|e| wall.place(e));
     }
     let rcd = answer(0.0);
-    let rcd = Rcd { centre: moved(rcd.centre), foot: moved(rcd.foot), normal: turn(rcd.normal), ..rcd };
+    let rcd = Rcd { centre: moved * rcd.centre, foot: moved * rcd.foot, normal: turn * rcd.normal, ..rcd };
     let all = found(&features, &[rcd], &[]);
     assert_eq!(all.len(), 1);
-    near(all[0].at, moved(AT), 1e-9);
+    near(all[0].at, moved * AT, 1e-9);
 }

@@ -1,13 +1,13 @@
 //! The four cases of a reading, from a sensor at the origin that looks up the y axis.
 
-use crate::common::{above, equal, gap, near, ping, way};
+use crate::common::{above, equal, gap, near, p, ping, way};
 use echogrid::feature::decide::{Case, Decision, decide};
-use echogrid::feature::limit::View;
-use echogrid::feature::{Corner, Features, Rules, Spot, Wall};
+use echogrid::feature::limit::Obstacles;
+use echogrid::feature::{Corner, Features, PointFeature, Rules, Wall};
 
 fn decided(features: &Features, range: Option<f64>) -> Decision {
-    let view = View::of(features, (0.0, 0.0), 6.0, 0.1);
-    decide(&ping((0.0, 0.0), 90.0, range), features, &view, &Rules::default())
+    let obstacles = Obstacles::near(features, p(0.0, 0.0), 6.0, 0.1);
+    decide(&ping((0.0, 0.0), 90.0, range), features, &obstacles, &Rules::default())
 }
 
 fn case(features: &Features, range: Option<f64>) -> Case {
@@ -45,8 +45,8 @@ fn what_is_associated_but_hidden_is_an_outlier() {
     equal(decision.association.best(), 1.0);
     // by a leg, too
     let mut leg = of(vec![above(3.0, -3.0, 3.0)]);
-    let across = Some([(-0.5, 2.0), (0.5, 2.0)]);
-    leg.corners.push(Corner { at: (-0.5, 2.0), walls: [0, 0], probability: 1.0, legs: [across, None] });
+    let across = Some([p(-0.5, 2.0), p(0.5, 2.0)]);
+    leg.corners.push(Corner { at: p(-0.5, 2.0), walls: [0, 0], probability: 1.0, extrapolated_walls: [across, None] });
     assert_eq!(case(&leg, Some(3.0)), Case::Outlier);
     // hidden beside the axis is not hidden
     assert_eq!(case(&of(vec![above(3.0, -3.0, 3.0), above(2.0, 0.1, 0.5)]), Some(3.0)), Case::Associated);
@@ -62,7 +62,7 @@ fn behind_a_safe_line_or_a_single_end() {
     assert_eq!(case(&one, Some(3.0)), Case::Behind);
     // what comes from a feature behind a line is believed
     let mut seen = gapped;
-    seen.spots.push(Spot { at: (0.0, 3.0), rcds: Vec::new() });
+    seen.points.push(PointFeature { at: p(0.0, 3.0), rcds: Vec::new() });
     assert_eq!(case(&seen, Some(3.0)), Case::Associated);
 }
 
@@ -70,7 +70,7 @@ fn behind_a_safe_line_or_a_single_end() {
 fn without_features_all_is_routine() {
     let nothing = decided(&Features::default(), Some(3.0));
     assert_eq!(nothing.case, Case::Routine);
-    assert!(nothing.limits.iter().chain(&nothing.before).all(|f| *f == f64::INFINITY));
+    assert!(nothing.limits.iter().chain(&nothing.free).all(|f| *f == f64::INFINITY));
 }
 
 #[test]
@@ -91,9 +91,9 @@ fn the_rays_are_21_from_the_right_edge_to_the_left_with_the_limit_of_each() {
     }
     // up to 2.86° to the right the wall is met; farther right its one end ends it, 2.0025 m away or its prolongation
     for k in 0..21 {
-        let cos = decision.rays[k].1;
+        let cos = decision.rays[k].y;
         let expected = if k >= 9 { 2.0 / cos } else { gap((0.0, 0.0), (0.1, 2.0)).min(2.0 / cos) };
         equal(decision.limits[k], expected);
-        assert!(decision.before[k] < decision.limits[k]);
+        assert!(decision.free[k] < decision.limits[k]);
     }
 }

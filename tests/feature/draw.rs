@@ -1,17 +1,17 @@
 //! Updates of decided readings: fans and lines, from a sensor at the origin that looks up the y axis, on cells of 0.1 m, ε 0.05 m.
 
-use crate::common::{Numbers, above, equal, gap, near, ping, right, way};
+use crate::common::{Numbers, above, equal, gap, near, p, ping, right, way};
 use echogrid::feature::decide::{Case, Decision, decide};
 use echogrid::feature::draw::{Cells, draw};
-use echogrid::feature::features::hit;
-use echogrid::feature::limit::View;
-use echogrid::feature::{Corner, Fan, Features, Ping, Rules, Spot, Update, Wall};
+use echogrid::feature::limit::Obstacles;
+use echogrid::feature::{Corner, Fan, Features, Ping, PointFeature, Rules, Update, Wall};
+use echogrid::geometry::plane::{Point, intersect_ray};
 
 const CELLS: Cells = Cells { resolution: 0.1, epsilon: 0.05 };
 
 fn drawn(features: &Features, ping: &Ping) -> (Decision, Option<Update>) {
-    let view = View::of(features, ping.at, 7.0, CELLS.resolution);
-    let decision = decide(ping, features, &view, &Rules::default());
+    let obstacles = Obstacles::near(features, ping.at, 7.0, CELLS.resolution);
+    let decision = decide(ping, features, &obstacles, &Rules::default());
     let update = draw(ping, &decision, features, CELLS);
     (decision, update)
 }
@@ -36,9 +36,9 @@ fn far(fan: &Fan, ping: &Ping) -> Vec<f64> {
         // a hair inside the edges, where rounding may miss the outermost sides
         let ray = way(heading + (1.5 * k as f64 - 15.0) * (1.0 - 1e-9));
         // where rounding misses both of a vertex's sides it is the vertex
-        let on = |v: &&(f64, f64)| ((v.0 - ping.at.0) * ray.1 - (v.1 - ping.at.1) * ray.0).abs() < 1e-6;
+        let on = |v: &&Point| (**v - ping.at).perp(&ray).abs() < 1e-6;
         let vertices = fan.vertices.iter().filter(on).map(|v| gap(*v, ping.at));
-        sides.iter().filter_map(|s| hit(ping.at, ray, *s)).chain(vertices).fold(f64::NAN, f64::max)
+        sides.iter().filter_map(|s| intersect_ray(ping.at, ray, *s)).chain(vertices).fold(f64::NAN, f64::max)
     };
     (0..21).map(at).collect()
 }
@@ -58,7 +58,7 @@ fn a_wall_is_occupied_between_the_feet_of_the_cone_s_front() {
     near(part.occupied[0][1], (-foot, 2.0), 1e-9);
     // free up to half a cell, and for the limit's sake 1 cm more, before it: all along
     for v in &part.free.as_ref().unwrap().vertices {
-        equal(v.1, 1.94);
+        equal(v.y, 1.94);
     }
 }
 
@@ -85,21 +85,21 @@ fn the_weights_are_the_probabilities_and_sum_to_1() {
 #[test]
 fn a_corner_is_half_a_metre_of_both_its_walls() {
     // walls up and to the right of the cone's middle, which looks at their corner 45° up
-    let corner = Corner { at: (2.0, 2.0), walls: [0, 1], probability: 1.0, legs: [None; 2] };
+    let corner = Corner { at: p(2.0, 2.0), walls: [0, 1], probability: 1.0, extrapolated_walls: [None; 2] };
     let features = Features { corners: vec![corner], ..of(vec![right(2.0, -1.0, 2.0), above(2.0, -1.0, 2.0)]) };
     let (_, update) = drawn(&features, &ping((0.0, 0.0), 45.0, Some(8f64.sqrt())));
     let update = update.unwrap();
     // the wall's part comes first
     assert_eq!(update.parts.len(), 2);
     let part = &update.parts[1];
-    for (line, end) in part.occupied.iter().zip([(2.0, 1.5), (1.5, 2.0)]) {
+    for (line, end) in part.occupied.iter().zip([p(2.0, 1.5), p(1.5, 2.0)]) {
         near(line[0], (2.0, 2.0), 1e-9);
         near(line[1], end, 1e-9);
     }
     for v in &part.free.as_ref().unwrap().vertices {
-        assert!(v.0 < 1.95 && v.1 < 1.95, "in front of both: {v:?}");
+        assert!(v.x < 1.95 && v.y < 1.95, "in front of both: {v:?}");
     }
-    // near by, the cone's front ends sooner than half a metre from it
+    // near kind, the cone's front ends sooner than half a metre from it
     let (_, update) = drawn(&features, &ping((1.5, 1.5), 45.0, Some(0.5f64.sqrt())));
     let foot = 1.5 + 0.5f64.sqrt() * 30f64.to_radians().sin();
     let line = update.unwrap().parts[1].occupied[0];
@@ -108,9 +108,9 @@ fn a_corner_is_half_a_metre_of_both_its_walls() {
 
 #[test]
 fn a_point_is_occupied_where_it_is_and_free_before() {
-    let features = Features { spots: vec![Spot { at: (0.0, 2.0), rcds: Vec::new() }], ..Features::default() };
+    let features = Features { points: vec![PointFeature { at: p(0.0, 2.0), rcds: Vec::new() }], ..Features::default() };
     let (_, update) = up(&features, 1.98);
-    assert_eq!(update.parts[0].occupied, [[(0.0, 2.0); 2]]);
+    assert_eq!(update.parts[0].occupied, [[p(0.0, 2.0); 2]]);
     let free = reaches(&update.parts[0].free);
     // a single end: free up to 0.06 m before it, or to z − ε
     assert!(free.iter().all(|f| (f - 1.93).abs() < STRAIGHT), "{free:?}");
@@ -125,10 +125,10 @@ fn an_outlier_only_frees_up_to_the_limit_and_elsewhere_to_the_least() {
     let routine = update.routine.unwrap();
     assert!(update.parts.is_empty() && !routine.occupies && routine.arc.is_none() && routine.weight == 1.0);
     for v in &routine.free.unwrap().vertices {
-        equal(v.1, 1.94);
+        equal(v.y, 1.94);
     }
     let mut open = decision;
-    (open.limits[0], open.before[0]) = (f64::INFINITY, f64::INFINITY);
+    (open.limits[0], open.free[0]) = (f64::INFINITY, f64::INFINITY);
     let update = draw(&ping((0.0, 0.0), 90.0, Some(4.0)), &open, &Features::default(), CELLS).unwrap();
     equal(reaches(&update.routine.unwrap().free)[0], 1.94);
 }
@@ -170,19 +170,19 @@ fn lawful(ping: &Ping, decision: &Decision, update: &Update, features: &Features
             assert!(far <= limit.max(0.025) + STRAIGHT, "{far} is beyond {limit}");
         }
         for (k, v) in fan.vertices.iter().enumerate() {
-            let (x, y) = (v.0 - ping.at.0, v.1 - ping.at.1);
-            let next = fan.vertices.get(k + 1).map(|n| x * (n.1 - ping.at.1) - y * (n.0 - ping.at.0));
+            let (x, y) = (v.x - ping.at.x, v.y - ping.at.y);
+            let next = fan.vertices.get(k + 1).map(|n| x * (n.y - ping.at.y) - y * (n.x - ping.at.x));
             assert!(next.is_none_or(|cross| cross > 0.0), "clockwise at {k}");
         }
     };
     for part in &update.parts {
-        part.free.iter().for_each(|f| fan(f, &decision.before));
+        part.free.iter().for_each(|f| fan(f, &decision.free));
         for end in part.occupied.iter().flatten() {
-            assert!(end.0.is_finite() && end.1.is_finite());
+            assert!(end.x.is_finite() && end.y.is_finite());
         }
     }
     if let Some(routine) = &update.routine {
-        routine.free.iter().for_each(|f| fan(f, &decision.before.map(|b| b.min(most))));
+        routine.free.iter().for_each(|f| fan(f, &decision.free.map(|b| b.min(most))));
         routine.arc.iter().for_each(|f| fan(f, &decision.limits));
     }
     if let (Some((k, _)), Some(line)) =
@@ -209,13 +209,13 @@ fn every_update_of_a_thousand_places_is_lawful() {
             features.walls.push(Wall { normal, offset, extent: [s, s + long], rcds: Vec::new() });
         }
         for _ in 0..metre(0.0, 3.0) as usize {
-            features.spots.push(Spot { at: (metre(-3.0, 3.0), metre(-3.0, 3.0)), rcds: Vec::new() });
+            features.points.push(PointFeature { at: p(metre(-3.0, 3.0), metre(-3.0, 3.0)), rcds: Vec::new() });
         }
-        features.lines.push([(metre(-3.0, 3.0), metre(-3.0, 3.0)), (metre(-3.0, 3.0), metre(-3.0, 3.0))]);
+        features.lines.push([p(metre(-3.0, 3.0), metre(-3.0, 3.0)), p(metre(-3.0, 3.0), metre(-3.0, 3.0))]);
         if features.walls.len() > 1 {
-            let at = (metre(-3.0, 3.0), metre(-3.0, 3.0));
+            let at = p(metre(-3.0, 3.0), metre(-3.0, 3.0));
             let leg = Some([at, features.walls[0].ends()[0]]);
-            features.corners.push(Corner { at, walls: [0, 1], probability: 0.9, legs: [leg, None] });
+            features.corners.push(Corner { at, walls: [0, 1], probability: 0.9, extrapolated_walls: [leg, None] });
         }
         for _ in 0..20 {
             let range = (metre(0.0, 1.0) < 0.9).then(|| metre(0.2, 5.0));

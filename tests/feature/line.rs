@@ -1,8 +1,8 @@
 //! Safe lines between ends that are near each other.
 
-use crate::common::{above, gap, region, right};
+use crate::common::{above, gap, p, region, right};
 use echogrid::feature::line::lines;
-use echogrid::feature::{Corner, Features, Rcd, Spot};
+use echogrid::feature::{Corner, Features, PointFeature, Rcd};
 use echogrid::geometry::plane::Point;
 
 /// Two walls at y = 2 with a gap around x = 0, made of region 0.
@@ -25,7 +25,7 @@ fn length([a, b]: [Point; 2]) -> f64 {
 fn a_gap_of_up_to_70_cm_is_closed() {
     let found = lines(&gapped(0.6), &[sighting(-1.0, 2.0)], &[]);
     assert_eq!(found.len(), 1);
-    assert!((length(found[0]) - 0.6).abs() < 1e-9 && found[0].iter().all(|e| (e.1 - 2.0).abs() < 1e-9));
+    assert!((length(found[0]) - 0.6).abs() < 1e-9 && found[0].iter().all(|e| (e.y - 2.0).abs() < 1e-9));
     assert_eq!(lines(&gapped(0.71), &[sighting(-1.0, 2.0)], &[]), [] as [[Point; 2]; 0]);
     // ends that touch need none
     assert_eq!(lines(&gapped(0.005), &[sighting(-1.0, 2.0)], &[]).len(), 0);
@@ -34,11 +34,11 @@ fn a_gap_of_up_to_70_cm_is_closed() {
 #[test]
 fn the_robot_s_path_opens_it() {
     let closed = |step: [Point; 2]| lines(&gapped(0.6), &[sighting(-1.0, 2.0)], &[step]).len();
-    assert_eq!(closed([(0.1, 1.5), (0.1, 2.5)]), 0);
-    assert_eq!(closed([(0.1, 2.5), (0.1, 1.5)]), 0, "either way");
-    assert_eq!(closed([(0.1, 1.5), (0.1, 1.99)]), 1);
-    assert_eq!(closed([(0.4, 1.5), (0.4, 2.5)]), 1, "beside it");
-    assert_eq!(closed([(0.1, 1.5), (0.1, 1.5)]), 1, "a robot that stands");
+    assert_eq!(closed([p(0.1, 1.5), p(0.1, 2.5)]), 0);
+    assert_eq!(closed([p(0.1, 2.5), p(0.1, 1.5)]), 0, "either way");
+    assert_eq!(closed([p(0.1, 1.5), p(0.1, 1.99)]), 1);
+    assert_eq!(closed([p(0.4, 1.5), p(0.4, 2.5)]), 1, "beside it");
+    assert_eq!(closed([p(0.1, 1.5), p(0.1, 1.5)]), 1, "a robot that stands");
 }
 
 #[test]
@@ -54,9 +54,9 @@ fn a_sighting_opens_it_unless_it_ends_at_once() {
 fn a_short_wall_s_own_ends_are_not_joined_and_points_and_corners_are_ends() {
     let own = Features { walls: vec![right(1.0, 0.0, 0.5)], ..Features::default() };
     assert_eq!(lines(&own, &[], &[]).len(), 0);
-    let spot = |x: f64| Spot { at: (x, 0.0), rcds: Vec::new() };
-    let corner = Corner { at: (0.0, 0.5), walls: [0, 0], probability: 1.0, legs: [None; 2] };
-    let three = Features { spots: vec![spot(0.0), spot(0.6)], corners: vec![corner], ..Features::default() };
+    let point = |x: f64| PointFeature { at: p(x, 0.0), rcds: Vec::new() };
+    let corner = Corner { at: p(0.0, 0.5), walls: [0, 0], probability: 1.0, extrapolated_walls: [None; 2] };
+    let three = Features { points: vec![point(0.0), point(0.6)], corners: vec![corner], ..Features::default() };
     // 0.6, 0.5 and √0.61 = 0.78 m
-    assert_eq!(lines(&three, &[], &[]), [[(0.0, 0.0), (0.6, 0.0)], [(0.0, 0.0), (0.0, 0.5)]]);
+    assert_eq!(lines(&three, &[], &[]), [[p(0.0, 0.0), p(0.6, 0.0)], [p(0.0, 0.0), p(0.0, 0.5)]]);
 }

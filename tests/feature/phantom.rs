@@ -1,17 +1,17 @@
 //! What is seen through a wall is its mirror image.
 
-use crate::common::{point, region};
+use crate::common::{p, point, region};
 use echogrid::feature::phantom::drop_phantoms;
-use echogrid::feature::wall::{spots, walls};
+use echogrid::feature::wall::{point_features, walls};
 use echogrid::feature::{Features, Rcd};
 use echogrid::geometry::plane::Point;
 
 /// The features left of some regions: the y of the walls, the y of the points.
 fn left(rcds: &[Rcd], path: &[[Point; 2]]) -> [Vec<f64>; 2] {
-    let mut features = Features { walls: walls(rcds), spots: spots(rcds, &[]), ..Features::default() };
+    let mut features = Features { walls: walls(rcds), points: point_features(rcds, &[]), ..Features::default() };
     drop_phantoms(&mut features, rcds, path);
-    let walls = features.walls.iter().map(|w| w.at(0.0).1).collect();
-    [walls, features.spots.iter().map(|s| s.at.1).collect()]
+    let walls = features.walls.iter().map(|w| w.at(0.0).y).collect();
+    [walls, features.points.iter().map(|s| s.at.y).collect()]
 }
 
 /// A wall's regions at a height, seen from below at these x.
@@ -51,9 +51,9 @@ fn a_point_behind_a_wall_goes() {
 #[test]
 fn a_wall_that_the_robot_crossed_goes_and_hides_nothing() {
     let rcds = [seen(2.0, &[0.0, 0.5, 1.0]), seen(4.0, &[0.2, 0.7])].concat();
-    assert_eq!(left(&rcds, &[[(0.5, 1.5), (0.5, 2.5)]])[0], [4.0]);
+    assert_eq!(left(&rcds, &[[p(0.5, 1.5), p(0.5, 2.5)]])[0], [4.0]);
     // a path that stops before it, or passes beside it
-    assert_eq!(left(&rcds, &[[(0.5, 1.5), (0.5, 1.9)], [(1.5, 1.5), (1.5, 2.5)]])[0], [2.0]);
+    assert_eq!(left(&rcds, &[[p(0.5, 1.5), p(0.5, 1.9)], [p(1.5, 1.5), p(1.5, 2.5)]])[0], [2.0]);
 }
 
 #[test]
@@ -87,8 +87,8 @@ fn what_few_saw_behind_a_short_safe_line_goes() {
 
 #[test]
 fn nothing_and_far_things_change_nothing() {
-    assert_eq!(left(&[], &[[(0.0, 0.0), (1.0, 0.0)]]), [Vec::<f64>::new(), vec![]]);
+    assert_eq!(left(&[], &[[p(0.0, 0.0), p(1.0, 0.0)]]), [Vec::<f64>::new(), vec![]]);
     let near = [seen(2.0, &[0.0, 0.5, 1.0]), seen(4.0, &[0.2, 0.7])].concat();
     let far = seen(2.5, &[500.0, 500.5, 501.0]);
-    assert_eq!(left(&[near, far].concat(), &[[(400.0, 0.0), (401.0, 9.0)]])[0], [2.0, 2.5]);
+    assert_eq!(left(&[near, far].concat(), &[[p(400.0, 0.0), p(401.0, 9.0)]])[0], [2.0, 2.5]);
 }

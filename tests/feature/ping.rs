@@ -1,6 +1,7 @@
 //! Which records the stage takes, and what the kernels get of them.
 
 use echogrid::feature::Ping;
+use echogrid::geometry::plane::Point;
 use echogrid::log::reading::{Outcome, Pose, Record};
 use echogrid::sensor::{AtMax, Kind, Sensor};
 
@@ -40,6 +41,6 @@ fn the_kernels_get_a_missing_echo_as_far_as_echoes_count() {
     assert_eq!((ping.reading(4.0).outcome, ping.reading(4.0).range, ping.reach), (Outcome::NoEcho, 4.0, 4.0));
     let ping = of(3.0).unwrap();
     assert_eq!((ping.reading(3.0).outcome, ping.reading(3.0).range), (Outcome::Hit, 3.0));
-    assert_eq!((ping.at, ping.centre(), ping.number), ((1.1, 2.0), (1.0, 2.0), 7));
-    assert!((ping.axis.0.abs() < 1e-15) && ping.axis.1 == 1.0);
+    assert_eq!((ping.at, ping.centre(), ping.number), (Point::new(1.1, 2.0), Point::new(1.0, 2.0), 7));
+    assert!((ping.axis.x.abs() < 1e-15) && ping.axis.y == 1.0);
 }

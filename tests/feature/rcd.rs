@@ -3,8 +3,9 @@
 
 use crate::common::{CIRCLE, circle, near, plane, way};
 use echogrid::feature::rcd::{Source, regions};
+use echogrid::geometry::plane::Point;
 
-const CENTRE: (f64, f64) = (3.0, -1.0);
+const CENTRE: Point = Point::new(3.0, -1.0);
 
 #[test]
 fn a_plane_s_foot_and_normal() {
@@ -12,7 +13,7 @@ fn a_plane_s_foot_and_normal() {
         let found = regions(&circle(CENTRE, 4, |h| plane(h, degrees, 2.0, 9.0)));
         assert_eq!(found.len(), 1);
         let (rcd, normal) = (&found[0], way(degrees));
-        near(rcd.foot, (CENTRE.0 + 2.0 * normal.0, CENTRE.1 + 2.0 * normal.1), 1e-3);
+        near(rcd.foot, CENTRE + 2.0 * normal, 1e-3);
         near(rcd.normal, normal, 1e-9);
         assert!((rcd.range - 2.0).abs() < 1e-9 && (rcd.half - 2.0 * 9f64.to_radians().sin()).abs() < 1e-9);
         assert_eq!((rcd.count, rcd.scan, rcd.source, rcd.centre), (11, 4, Source::Wall, CENTRE));

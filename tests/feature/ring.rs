@@ -40,10 +40,10 @@ fn a_wall_that_is_passed() {
 fn a_slanted_wall_is_found_across_the_cone() {
     // its normal is 10° off the axis: z = 2 − n · S
     let normal = way(100.0);
-    let all = found(&pass(8, 90.0, |x| 2.0 - normal.0 * x));
+    let all = found(&pass(8, 90.0, |x| 2.0 - normal.x * x));
     assert_eq!(all.len(), 1);
     near(all[0].normal, normal, 1e-9);
-    assert!((normal.0 * all[0].foot.0 + normal.1 * all[0].foot.1 - 2.0).abs() < 1e-9, "the foot is on its line");
+    assert!((normal.dot(&all[0].foot.coords) - 2.0).abs() < 1e-9, "the foot is on its line");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The stage as a whole: when updates come out and in what order, and that nothing odd in a log harms it.
 
-use crate::common::{BEARINGS, CIRCLE, Numbers, circle, gap, near, off};
+use crate::common::{BEARINGS, CIRCLE, Numbers, circle, gap, near, off, p, way};
 use echogrid::feature::draw::Cells;
 use echogrid::feature::rcd::Source;
 use echogrid::feature::{Ping, Rules, Stage, Update};
@@ -10,24 +10,24 @@ const CELLS: Cells = Cells { resolution: 0.1, epsilon: 0.05 };
 
 /// What is heard at a bearing in a room from (0, 0) to (6, 4): a wall within 10° of its normal, else a corner within 8°.
 fn room(centre: Point, degrees: f64) -> Option<f64> {
-    let walls = [(0.0, 6.0 - centre.0), (90.0, 4.0 - centre.1), (180.0, centre.0), (270.0, centre.1)];
+    let walls = [(0.0, 6.0 - centre.x), (90.0, 4.0 - centre.y), (180.0, centre.x), (270.0, centre.y)];
     let wall = walls.iter().find(|(normal, _)| off(degrees, *normal) <= 10.0);
     let z = wall.map(|(normal, d)| d - CIRCLE * off(degrees, *normal).to_radians().cos());
-    let at = (centre.0 + CIRCLE * degrees.to_radians().cos(), centre.1 + CIRCLE * degrees.to_radians().sin());
-    let corners = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0)];
-    let seen = |c: &&Point| off((c.1 - at.1).atan2(c.0 - at.0).to_degrees(), degrees) <= 8.0;
+    let at = centre + CIRCLE * way(degrees);
+    let corners = [p(0.0, 0.0), p(6.0, 0.0), p(6.0, 4.0), p(0.0, 4.0)];
+    let seen = |c: &&Point| off((c.y - at.y).atan2(c.x - at.x).to_degrees(), degrees) <= 8.0;
     z.or_else(|| corners.iter().find(seen).map(|c| gap(*c, at))).filter(|z| *z <= 5.0)
 }
 
 /// A walk through the room there and back, 0.4 m a scan, moved by so much.
-fn walk(scans: usize, moved: Point) -> Vec<Vec<Ping>> {
+fn walk(scans: usize, moved: (f64, f64)) -> Vec<Vec<Ping>> {
     let place = |k: usize| {
         let s = (k as f64 * 0.4) % 8.0;
-        (1.0 + if s <= 4.0 { s } else { 8.0 - s }, 1.5 + 0.2 * (k % 5) as f64)
+        p(1.0 + if s <= 4.0 { s } else { 8.0 - s }, 1.5 + 0.2 * (k % 5) as f64)
     };
     let scan = |k: usize| {
         let at = place(k);
-        circle((at.0 + moved.0, at.1 + moved.1), k as u64, |h| room(at, h))
+        circle((at.x + moved.0, at.y + moved.1), k as u64, |h| room(at, h))
     };
     (0..scans).map(scan).collect()
 }
@@ -53,15 +53,15 @@ fn sound(scans: &[Vec<Ping>]) -> Stage {
     let numbers: Vec<u64> = all.iter().flatten().map(|u| u.number).collect();
     assert!(numbers.windows(2).all(|w| w[0] < w[1]), "in log order, once");
     let pings = scans.iter().map(Vec::len).sum::<usize>() as u64;
-    assert_eq!(stage.tally.cases.iter().sum::<u64>(), pings, "each was decided once");
+    assert_eq!(stage.counts.cases.iter().sum::<u64>(), pings, "each was decided once");
     for update in all.iter().flatten() {
         let parts = update.parts.iter().filter_map(|p| p.free.as_ref());
         let routine = update.routine.iter().flat_map(|r| [&r.free, &r.arc]).flatten();
         for v in parts.chain(routine).flat_map(|fan| &fan.vertices) {
-            assert!(v.0.is_finite() && v.1.is_finite(), "{update:?}");
+            assert!(v.x.is_finite() && v.y.is_finite(), "{update:?}");
         }
         let ends = update.parts.iter().flat_map(|p| &p.occupied).flatten();
-        assert!(ends.copied().all(|e| e.0.is_finite() && e.1.is_finite()));
+        assert!(ends.copied().all(|e| e.x.is_finite() && e.y.is_finite()));
         let weights = update.parts.iter().map(|p| p.weight).chain(update.routine.iter().map(|r| r.weight));
         assert!((weights.sum::<f64>() - 1.0).abs() < 1e-9, "{update:?}");
     }
@@ -71,7 +71,7 @@ fn sound(scans: &[Vec<Ping>]) -> Stage {
 #[test]
 fn a_room_s_walls_and_corners_are_found() {
     let stage = sound(&walk(20, (0.0, 0.0)));
-    let known = stage.known();
+    let known = stage.feature_map();
     let sides = [(-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 1.0, 4.0), (1.0, 0.0, 6.0)];
     let mut seen = [false; 4];
     for wall in &known.features.walls {
@@ -83,15 +83,15 @@ fn a_room_s_walls_and_corners_are_found() {
     assert_eq!(seen, [true; 4]);
     assert_eq!(known.features.corners.len(), 4);
     for corner in &known.features.corners {
-        let corners = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0)];
+        let corners = [p(0.0, 0.0), p(6.0, 0.0), p(6.0, 4.0), p(0.0, 4.0)];
         let nearest = corners.iter().copied().min_by(|a, b| gap(*a, corner.at).total_cmp(&gap(*b, corner.at))).unwrap();
         near(corner.at, nearest, 0.01);
     }
     assert!(known.regions.iter().any(|r| r.source == Source::Point));
     assert!(known.features.members().all(|k| k < known.regions.len()));
     // most echoes are a feature's
-    let [associated, outliers, behind, routine] = stage.tally.cases;
-    assert!(associated > 1000 && outliers + behind > 0 && routine > 0, "{:?}", stage.tally);
+    let [associated, outliers, behind, routine] = stage.counts.cases;
+    assert!(associated > 1000 && outliers + behind > 0 && routine > 0, "{:?}", stage.counts);
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn readings_are_held_for_5_m_and_let_go_half_a_metre_at_a_time() {
         }
     }
     // at most 5.5 m and the scan that ends it are waiting
-    let most = stage.tally.held as usize / BEARINGS;
+    let most = stage.counts.held as usize / BEARINGS;
     assert!((5.5 / 0.61) as usize <= most && most <= (5.5 / 0.4) as usize + 2, "{most}");
 }
 
@@ -122,10 +122,10 @@ fn without_a_hold_half_a_metre_is_enough() {
     let (all, stage) = run(&walk(10, (0.0, 0.0)), rules);
     let first = all.iter().position(|out| !out.is_empty()).unwrap();
     assert!(first <= 2, "{first}");
-    assert!(stage.tally.held <= 3 * BEARINGS as u64);
+    assert!(stage.counts.held <= 3 * BEARINGS as u64);
     let numbers: Vec<u64> = all.iter().flatten().map(|u| u.number).collect();
     assert!(numbers.windows(2).all(|w| w[0] < w[1]));
-    assert_eq!(stage.tally.cases.iter().sum::<u64>(), 10 * BEARINGS as u64);
+    assert_eq!(stage.counts.cases.iter().sum::<u64>(), 10 * BEARINGS as u64);
 }
 
 #[test]
@@ -144,19 +144,19 @@ fn a_robot_that_stands_fills_no_memory() {
     }
     // 140,000 readings without travel: half of the queue went each time it came to 65,536
     assert!(before > 90_000, "{before}");
-    assert!(stage.tally.held <= 65_536 + BEARINGS as u64, "{}", stage.tally.held);
+    assert!(stage.counts.held <= 65_536 + BEARINGS as u64, "{}", stage.counts.held);
     stage.finish(&mut out);
-    assert_eq!(stage.tally.cases.iter().sum::<u64>(), 140_000);
+    assert_eq!(stage.counts.cases.iter().sum::<u64>(), 140_000);
     assert!(out.iter().all(|u| last.replace(u.number).is_none_or(|l| l < u.number)));
 }
 
 #[test]
 fn a_thousand_scans_of_one_place_tell_what_one_does() {
-    let one = |k: u64| circle((2.0, 1.5), k, |h| room((2.0, 1.5), h));
+    let one = |k: u64| circle((2.0, 1.5), k, |h| room(p(2.0, 1.5), h));
     let stage = sound(&(0..1000).map(one).collect::<Vec<_>>());
     let (_, single) = run(&[one(0)], Rules::default());
-    assert_eq!(stage.known(), single.known());
-    assert!(stage.tally.regions >= 1000 * single.tally.regions);
+    assert_eq!(stage.feature_map(), single.feature_map());
+    assert!(stage.counts.regions >= 1000 * single.counts.regions);
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn degenerate_scans_do_no_harm() {
     let scans = |one: &dyn Fn(u64) -> Vec<Ping>| (0..30).map(one).collect::<Vec<_>>();
     // no echo at all; one reading; nothing
     let silent = sound(&scans(&|k| circle(at(k), k, |_| None)));
-    assert_eq!((silent.tally.regions, silent.known().features.walls.len()), (0, 0));
+    assert_eq!((silent.counts.regions, silent.feature_map().features.walls.len()), (0, 0));
     sound(&scans(&|k| circle(at(k), k, |_| Some(2.0)).drain(..1).collect()));
     sound(&[Vec::new(), Vec::new()]);
     // all ranges equal, and all but one; all at the sensor's nearest
@@ -174,7 +174,7 @@ fn degenerate_scans_do_no_harm() {
     sound(&scans(&|k| circle(at(k), k, |_| Some(0.0))));
     // each bearing twice, and one bearing 200 times
     let doubled = |k: u64| {
-        let mut all: Vec<Ping> = circle(at(k), k, |h| room((2.0, 2.0), h)).into_iter().flat_map(|p| [p, p]).collect();
+        let mut all: Vec<Ping> = circle(at(k), k, |h| room(p(2.0, 2.0), h)).into_iter().flat_map(|p| [p, p]).collect();
         all.iter_mut().zip(k * 400..).for_each(|(p, n)| p.number = n);
         all
     };
@@ -190,12 +190,12 @@ fn degenerate_scans_do_no_harm() {
 #[test]
 fn jumps_and_places_far_out_do_no_harm() {
     let far = |k: u64| [(0.0, 0.0), (1e6, -1e6), (-1e6, 3.0)][k as usize % 3];
-    sound(&(0..30).map(|k| circle(far(k), k, |h| room((2.0, 2.0), h))).collect::<Vec<_>>());
+    sound(&(0..30).map(|k| circle(far(k), k, |h| room(p(2.0, 2.0), h))).collect::<Vec<_>>());
     let stage = sound(&walk(20, (1e6, 1e6)));
-    assert_eq!(stage.known().features.corners.len(), 4);
+    assert_eq!(stage.feature_map().features.corners.len(), 4);
     // readings of a few sensors, one a scan
     let ring = |k: u64| {
-        let mut all = circle((0.1 * k as f64, 0.0), k, |h| room((2.0, 2.0), h));
+        let mut all = circle((0.1 * k as f64, 0.0), k, |h| room(p(2.0, 2.0), h));
         all.truncate(5);
         all.iter_mut().enumerate().for_each(|(s, p)| {
             (p.record.sensor, p.number) = (s as u32, 5 * k + s as u64);
@@ -230,11 +230,11 @@ fn the_same_log_gives_the_same_updates() {
 
 #[test]
 fn a_rule_turned_off_finds_nothing_of_its_kind() {
-    let known = |rules: Rules| run(&walk(20, (0.0, 0.0)), rules).1.known();
+    let known = |rules: Rules| run(&walk(20, (0.0, 0.0)), rules).1.feature_map();
     let without = known(Rules { corners: false, ..Rules::default() });
     assert!(without.features.corners.is_empty() && !without.features.walls.is_empty());
     let without = known(Rules { points: false, ..Rules::default() });
-    assert!(without.features.spots.is_empty());
+    assert!(without.features.points.is_empty());
     let without = known(Rules { lines: false, ..Rules::default() });
     assert!(without.features.lines.is_empty());
     let paper = known(Rules { paper: true, ..Rules::default() });

@@ -1,9 +1,10 @@
 //! Walls from regions, and points.
 
-use crate::common::{above, equal, near, point, region, right, way};
+use crate::common::{above, equal, near, p, point, region, right, way};
 use echogrid::feature::rcd::Source;
-use echogrid::feature::wall::{concave, gather, points_at_corners, spots, walls};
+use echogrid::feature::wall::{concave, find_features, point_features, points_at_corners, walls};
 use echogrid::feature::{Rcd, Rules, Wall};
+use echogrid::geometry::plane::Vector;
 
 /// A region of the wall at y = 2, seen from (x, 0), ± 0.2 m.
 fn at(x: f64) -> Rcd {
@@ -44,9 +45,9 @@ fn the_two_sides_of_a_wall_are_two_faces() {
     let other_side = region((0.0, 4.0), 270.0, 2.0, 0.2, 1);
     let found = walls(&[at(0.0), other_side]);
     assert_eq!(members(&found), [vec![0], vec![1]]);
-    assert!(found[0].front((0.0, 0.0)) > 0.0 && found[0].front((0.0, 4.0)) < 0.0);
-    assert!(found[1].front((0.0, 0.0)) < 0.0 && found[1].front((0.0, 4.0)) > 0.0);
-    equal(found[0].front((7.0, 0.5)), 1.5);
+    assert!(found[0].front(p(0.0, 0.0)) > 0.0 && found[0].front(p(0.0, 4.0)) < 0.0);
+    assert!(found[1].front(p(0.0, 0.0)) < 0.0 && found[1].front(p(0.0, 4.0)) > 0.0);
+    equal(found[0].front(p(7.0, 0.5)), 1.5);
 }
 
 #[test]
@@ -103,7 +104,7 @@ fn walls_meet_where_each_stands_before_the_other() {
     // 20° and 30° between them
     let slanted =
         |degrees: f64| Wall { normal: way(90.0 - degrees), offset: 1.0, extent: [0.0, 1.0], rcds: Vec::new() };
-    let across = Wall { normal: (0.0, 1.0), offset: 2.0, extent: [8.0, 9.0], rcds: Vec::new() };
+    let across = Wall { normal: Vector::new(0.0, 1.0), offset: 2.0, extent: [8.0, 9.0], rcds: Vec::new() };
     assert_eq!(concave(&across, &slanted(20.0)), None);
     assert!(concave(&across, &slanted(30.0)).is_some());
 }
@@ -121,10 +122,10 @@ fn a_region_where_walls_meet_is_a_point_even_of_one_scan() {
     // within 5 cm and 3 % of 4.3 m: 10° are 75 cm off
     assert_eq!(found, [0]);
     assert_eq!([rcds[0].source, rcds[1].source], [Source::Point, Source::Wall]);
-    let points = spots(&rcds, &found);
+    let points = point_features(&rcds, &found);
     assert_eq!(points.len(), 1);
     near(points[0].at, (3.0, 4.0), 1e-9);
-    assert_eq!(spots(&rcds, &[]), [], "one scan alone is none");
+    assert_eq!(point_features(&rcds, &[]), [], "one scan alone is none");
     // a region that one of the walls is made of is no point
     let own = Wall { rcds: vec![0], ..right(3.0, 0.0, 3.5) };
     assert_eq!(points_at_corners(&mut [of_corner(0.0)], &[own, above(4.0, 0.0, 2.5)]), [0usize; 0]);
@@ -133,7 +134,8 @@ fn a_region_where_walls_meet_is_a_point_even_of_one_scan() {
 #[test]
 fn points_of_two_scans_within_15_cm_are_one() {
     let seen = |x: f64, scan: u64| point((x, 0.0), 90.0, 2.0, scan);
-    let found = spots(&[seen(0.0, 1), seen(0.14, 2), seen(0.6, 3), seen(0.76, 4), seen(2.0, 5), seen(2.1, 5)], &[]);
+    let found =
+        point_features(&[seen(0.0, 1), seen(0.14, 2), seen(0.6, 3), seen(0.76, 4), seen(2.0, 5), seen(2.1, 5)], &[]);
     assert_eq!(found.len(), 1, "0.16 m are too far, and a scan can't confirm itself");
     near(found[0].at, (0.07, 2.0), 1e-9);
     assert_eq!(found[0].rcds, [0, 1]);
@@ -142,8 +144,8 @@ fn points_of_two_scans_within_15_cm_are_one() {
 #[test]
 fn the_paper_s_rules_know_no_points_at_corners() {
     let rcds = || vec![region((0.0, 1.0), 0.0, 3.0, 0.3, 1), region((1.0, 0.0), 90.0, 4.0, 0.3, 2), of_corner(0.0)];
-    let ours = gather(&mut rcds(), &Rules::default());
-    assert_eq!((ours.walls.len(), ours.spots.len()), (2, 1));
-    let paper = gather(&mut rcds(), &Rules { paper: true, ..Rules::default() });
-    assert_eq!((paper.walls.len(), paper.spots.len()), (3, 0));
+    let ours = find_features(&mut rcds(), &Rules::default());
+    assert_eq!((ours.walls.len(), ours.points.len()), (2, 1));
+    let paper = find_features(&mut rcds(), &Rules { paper: true, ..Rules::default() });
+    assert_eq!((paper.walls.len(), paper.points.len()), (3, 0));
 }

@@ -374,12 +374,12 @@ pub fn updates_on(name: &str, seed: u64, count: u64, grid: GridSpec, sensors: Ve
         let far = if made.random.below(20) == 0 { 9.0 } else { 1.5 };
         let x = made.random.within(x0 - far, x0 + width + far);
         let y = made.random.within(y0 - far, y0 + height + far);
-        let at = made.snap((x, y));
+        let at = made.snap(Point::new(x, y));
         let heading = made.bearing();
         let k = made.random.below(sensors.len() as u32) as usize;
         let range = made.random.within(0.0, sensors[k].r_max);
         let outcome = if made.random.below(6) == 0 { Outcome::NoEcho } else { Outcome::Hit };
-        let mut reading = reading(k, (at.0, at.1, heading), range, outcome);
+        let mut reading = reading(k, (at.x, at.y, heading), range, outcome);
         (reading.record.line, reading.record.scan) = (number + 1, number);
         updates.push(made.update(reading, number));
         items.push((reading, None));
@@ -396,9 +396,9 @@ struct Made {
 }
 
 impl Made {
-    fn snap(&self, (x, y): Point) -> Point {
+    fn snap(&self, p: Point) -> Point {
         let near = |v: f64| (v / self.half).round() * self.half;
-        if self.lattice { (near(x), near(y)) } else { (x, y) }
+        if self.lattice { p.map(near) } else { p }
     }
 
     fn bearing(&mut self) -> f64 {
@@ -411,7 +411,7 @@ impl Made {
     /// A point that far at most from a sensor, in that direction.
     fn point(&mut self, sensor: Point, bearing: f64, most: f64) -> Point {
         let d = self.random.within(0.0, most);
-        self.snap((sensor.0 + d * bearing.cos(), sensor.1 + d * bearing.sin()))
+        self.snap(Point::new(sensor.x + d * bearing.cos(), sensor.y + d * bearing.sin()))
     }
 
     fn fan(&mut self, sensor: Point, heading: f64, most: f64) -> Fan {
@@ -443,9 +443,9 @@ impl Made {
             let along = self.random.within(0.0, 1.5);
             let b = match self.random.below(5) {
                 0 => a,
-                1 => (a.0 + along, a.1),
-                2 => (a.0, a.1 - along),
-                3 => (a.0 + along, a.1 + along),
+                1 => Point::new(a.x + along, a.y),
+                2 => Point::new(a.x, a.y - along),
+                3 => Point::new(a.x + along, a.y + along),
                 _ => self.point(sensor, heading - turn, most),
             };
             [a, self.snap(b)]
@@ -455,7 +455,7 @@ impl Made {
 
     fn update(&mut self, reading: Reading, number: u64) -> Update {
         let pose = reading.record.pose;
-        let (sensor, most) = ((pose.x, pose.y), 3.5);
+        let (sensor, most) = (pose.position(), 3.5);
         let count = self.random.below(3);
         let mut parts: Vec<Part> = Vec::new();
         for _ in 0..count {

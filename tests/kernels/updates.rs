@@ -7,6 +7,7 @@ use echogrid::binning::update;
 use echogrid::evaluate::compare::{self, compare};
 use echogrid::evaluate::verify;
 use echogrid::feature::{Case, Fan, Origin, Part, Routine, Update};
+use echogrid::geometry::plane::Point;
 use echogrid::grid::GridSpec;
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
@@ -111,7 +112,7 @@ fn one(parts: Vec<Part>, routine: Option<Routine>) -> Scene {
 }
 
 fn fan(vertices: &[(f64, f64)]) -> Option<Fan> {
-    Some(Fan { vertices: vertices.iter().map(|v| (0.55 + 0.1 * v.0, 0.55 + 0.1 * v.1)).collect() })
+    Some(Fan { vertices: vertices.iter().map(|v| Point::new(0.55 + 0.1 * v.0, 0.55 + 0.1 * v.1)).collect() })
 }
 
 /// The cells, from the sensor's, that an update frees, and occupies.
@@ -128,7 +129,7 @@ fn p_occ(scene: &Scene, (column, row): (i32, i32)) -> f64 {
 }
 
 fn part(weight: f64, free: Option<Fan>, occupied: &[[(f64, f64); 2]]) -> Part {
-    let at = |v: (f64, f64)| (0.55 + 0.1 * v.0, 0.55 + 0.1 * v.1);
+    let at = |v: (f64, f64)| Point::new(0.55 + 0.1 * v.0, 0.55 + 0.1 * v.1);
     Part { origin: Origin::Wall, weight, free, occupied: occupied.iter().map(|[a, b]| [at(*a), at(*b)]).collect() }
 }
 

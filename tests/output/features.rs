@@ -2,7 +2,8 @@
 
 use crate::common::{map, write};
 use echogrid::feature::rcd::{Rcd, Source};
-use echogrid::feature::{Corner, Features, Known, Spot, Wall};
+use echogrid::feature::{Corner, FeatureMap, Features, PointFeature, Wall};
+use echogrid::geometry::plane::{Point, Vector};
 use echogrid::grid::GridSpec;
 use echogrid::output::write_features;
 use serde_json::{Value, json};
@@ -10,27 +11,27 @@ use std::fs;
 use std::path::Path;
 
 fn region(scan: u64, count: u32, lines: [u64; 2]) -> Rcd {
-    let (centre, foot, normal) = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.0));
+    let (centre, foot, normal) = (Point::origin(), Point::new(1.0, 0.0), Vector::x());
     let (source, fitted, clear) = (Source::Wall, false, true);
     Rcd { centre, foot, normal, range: 1.0, half: 0.2, scan, source, fitted, clear, lines, count }
 }
 
-/// Two walls that meet at (3, 4): x = 3 from y = 1.25 to 4, y = 4 from x = −1 to 2.5, so that a leg is left; and a point.
-fn known() -> Known {
+/// Two walls that meet at (3, 4): x = 3 from y = 1.25 to 4, y = 4 from x = −1 to 2.5, so that it is extrapolated; and a point.
+fn known() -> FeatureMap {
     let walls = vec![
-        Wall { normal: (1.0, 0.0), offset: 3.0, extent: [1.25, 4.0], rcds: vec![0, 1] },
-        // along is (−1, 0): places run to the left
-        Wall { normal: (0.0, 1.0), offset: 4.0, extent: [-2.5, 1.0], rcds: vec![3] },
+        Wall { normal: Vector::x(), offset: 3.0, extent: [1.25, 4.0], rcds: vec![0, 1] },
+        // along is (−1, 0): positions grow to the left
+        Wall { normal: Vector::y(), offset: 4.0, extent: [-2.5, 1.0], rcds: vec![3] },
     ];
     let corners = vec![Corner {
-        at: (3.0, 4.0),
+        at: Point::new(3.0, 4.0),
         walls: [0, 1],
         probability: 0.876_543,
-        legs: [None, Some([(3.0, 4.0), (2.5, 4.0)])],
+        extrapolated_walls: [None, Some([Point::new(3.0, 4.0), Point::new(2.5, 4.0)])],
     }];
-    let spots = vec![Spot { at: (-0.000_01, 1.234_56), rcds: vec![2] }];
+    let points = vec![PointFeature { at: Point::new(-0.000_01, 1.234_56), rcds: vec![2] }];
     let regions = vec![region(7, 12, [40, 51]), region(7, 9, [20, 28]), region(8, 5, [60, 64]), region(9, 4, [90, 93])];
-    Known { features: Features { walls, spots, corners, lines: Vec::new() }, regions }
+    FeatureMap { features: Features { walls, points, corners, lines: Vec::new() }, regions }
 }
 
 /// 11 × 8 cells of 0.5 m from (−2, 1) to (3.5, 5).
@@ -38,7 +39,7 @@ fn grid() -> GridSpec {
     map(11, 8).grid
 }
 
-fn written(known: &Known, grid: &GridSpec) -> (Value, String) {
+fn written(known: &FeatureMap, grid: &GridSpec) -> (Value, String) {
     let dir = tempfile::tempdir().unwrap();
     write_features(dir.path(), known, grid).unwrap();
     let names = fs::read_dir(dir.path()).unwrap().count();
@@ -68,7 +69,7 @@ fn geojson_holds_the_places_and_what_saw_them() {
     assert_eq!(
         *properties(2),
         json!({
-            "kind": "corner", "probability": 0.8765, "walls": [0, 1], "legs": [null, [[3.0, 4.0], [2.5, 4.0]]],
+            "kind": "corner", "probability": 0.8765, "walls": [0, 1], "extrapolated_walls": [null, [[3.0, 4.0], [2.5, 4.0]]],
             "scans": 2, "regions": 3, "readings": 25, "lines": [[20, 28], [40, 51], [90, 93]]
         })
     );
@@ -157,9 +158,9 @@ fn the_map_s_picture_lies_behind_where_there_is_one() {
 fn a_reduced_picture_reaches_beyond_the_grid() {
     // 8191 columns are shown two by two in 4096: half a pixel more than the map, to the right; 3 rows in 2, at the top
     let grid = GridSpec { anchor: (0.0, 0.0), resolution: 0.1, i0: 0, j0: 0, width: 8191, height: 3 };
-    let spot = Spot { at: (819.2, 0.0), rcds: Vec::new() };
-    let features = Features { spots: vec![spot], ..Features::default() };
-    let (_, svg) = written(&Known { features, regions: Vec::new() }, &grid);
+    let spot = PointFeature { at: Point::new(819.2, 0.0), rcds: Vec::new() };
+    let features = Features { points: vec![spot], ..Features::default() };
+    let (_, svg) = written(&FeatureMap { features, regions: Vec::new() }, &grid);
     let point = &drawn(&svg, "point")[0];
     // the picture's right edge and its bottom: 0.4 m below its top
     assert!(((point[0] + point[2]) / 2.0 - 1224.0).abs() < 0.01, "{point:?}");
@@ -168,17 +169,18 @@ fn a_reduced_picture_reaches_beyond_the_grid() {
 
 #[test]
 fn nothing_known_is_an_empty_collection() {
-    let (all, svg) = written(&Known::default(), &grid());
+    let (all, svg) = written(&FeatureMap::default(), &grid());
     assert_eq!(all["features"], json!([]));
     assert!(svg.contains("0 walls") && svg.contains("0 corners") && svg.contains("0 points"));
 }
 
 #[test]
 fn a_thousand_walls() {
-    let wall = |k: usize| Wall { normal: (0.6, 0.8), offset: k as f64 * 0.1, extent: [0.0, 1.0], rcds: vec![k] };
+    let wall =
+        |k: usize| Wall { normal: Vector::new(0.6, 0.8), offset: k as f64 * 0.1, extent: [0.0, 1.0], rcds: vec![k] };
     let features = Features { walls: (0..1000).map(wall).collect(), ..Features::default() };
     let regions = (0..1000).map(|k| region(k, 4, [k + 1, k + 4])).collect();
-    let (all, svg) = written(&Known { features, regions }, &grid());
+    let (all, svg) = written(&FeatureMap { features, regions }, &grid());
     let walls = all["features"].as_array().unwrap();
     assert_eq!(walls.len(), 1000);
     // 50 m along the normal, then 1 m to its left

@@ -126,10 +126,10 @@ impl Points<'_> {
     fn add<'p>(&mut self, points: impl Iterator<Item = &'p Point>) -> Result<[u32; 2]> {
         let from = self.all.len() as u32;
         for point in points {
-            let at = place(self.grid, *point);
+            let at = place(self.grid, (point.x, point.y));
             let v = [at[0] - self.sensor[0], at[1] - self.sensor[1]];
             let pose = self.reading.record.pose;
-            let away = (point.0 - pose.x).hypot(point.1 - pose.y);
+            let away = (point.x - pose.x).hypot(point.y - pose.y);
             if !away.is_finite()
                 || v.iter().any(|c| c.abs() > FARTHEST)
                 || v[0] * v[0] + v[1] * v[1] > FARTHEST * FARTHEST

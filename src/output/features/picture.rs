@@ -1,7 +1,7 @@
 //! `features.svg`: walls, corners and points over the map's picture, +y up, with a scale in metres.
 
-use crate::feature::{Known, Wall};
-use crate::geometry::plane::{Point, add, times};
+use crate::feature::{FeatureMap, Wall};
+use crate::geometry::plane::Point;
 use crate::grid::GridSpec;
 use crate::output::png::{factor, reduced};
 
@@ -41,12 +41,12 @@ impl Frame {
     }
 
     fn at(&self, p: Point) -> Point {
-        (GAP + (p.0 - self.left) * self.scale, GAP + (self.top - p.1) * self.scale)
+        Point::new(GAP + (p.x - self.left) * self.scale, GAP + (self.top - p.y) * self.scale)
     }
 }
 
 /// The picture; `map`: `map.png` lies beside it.
-pub(super) fn svg(known: &Known, grid: &GridSpec, map: bool) -> String {
+pub(super) fn svg(known: &FeatureMap, grid: &GridSpec, map: bool) -> String {
     let frame = Frame::of(grid);
     let [width, height] = frame.size;
     let (across, up) = (width.max(NARROWEST) + 2.0 * GAP, GAP + height + 6.0 * LINE);
@@ -69,15 +69,15 @@ pub(super) fn svg(known: &Known, grid: &GridSpec, map: bool) -> String {
         svg += &line(wall, &frame);
     }
     for corner in &features.corners {
-        for [a, b] in corner.legs.iter().flatten().map(|leg| leg.map(|p| frame.at(p))) {
+        for [a, b] in corner.extrapolated_walls.iter().flatten().map(|leg| leg.map(|p| frame.at(p))) {
             svg += &format!(
                 "<path class=\"leg\" d=\"M{:.2} {:.2}L{:.2} {:.2}\" stroke=\"{CORNER}\" stroke-dasharray=\"4 3\"/>\n",
-                a.0, a.1, b.0, b.1
+                a.x, a.y, b.x, b.y
             );
         }
         svg += &circle(frame.at(corner.at));
     }
-    for spot in &features.spots {
+    for spot in &features.points {
         svg += &cross(frame.at(spot.at));
     }
     svg += "</g>\n";
@@ -88,19 +88,21 @@ pub(super) fn svg(known: &Known, grid: &GridSpec, map: bool) -> String {
 fn line(wall: &Wall, frame: &Frame) -> String {
     let [a, b] = wall.ends().map(|p| frame.at(p));
     let middle = wall.middle();
-    let (from, to) = (frame.at(middle), frame.at(add(middle, times(wall.normal, TICK / frame.scale))));
+    let (from, to) = (frame.at(middle), frame.at(middle + wall.normal * (TICK / frame.scale)));
     format!(
         "<path class=\"wall\" d=\"M{:.2} {:.2}L{:.2} {:.2}\" stroke=\"{WALL}\" stroke-width=\"2.5\"/>\
          <path d=\"M{:.2} {:.2}L{:.2} {:.2}\" stroke=\"{WALL}\" stroke-width=\"1\"/>\n",
-        a.0, a.1, b.0, b.1, from.0, from.1, to.0, to.1
+        a.x, a.y, b.x, b.y, from.x, from.y, to.x, to.y
     )
 }
 
-fn circle((x, y): Point) -> String {
+fn circle(at: Point) -> String {
+    let (x, y) = (at.x, at.y);
     format!("<circle class=\"corner\" cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{CIRCLE}\" stroke=\"{CORNER}\"/>\n")
 }
 
-fn cross((x, y): Point) -> String {
+fn cross(at: Point) -> String {
+    let (x, y) = (at.x, at.y);
     let (left, right, top, bottom) = (x - CROSS, x + CROSS, y - CROSS, y + CROSS);
     format!(
         "<path class=\"point\" d=\"M{left:.2} {top:.2}L{right:.2} {bottom:.2}M{left:.2} {bottom:.2}L{right:.2} {top:.2}\" \
@@ -109,11 +111,12 @@ fn cross((x, y): Point) -> String {
 }
 
 /// How many there are of each, and how long a metre is.
-fn legend(known: &Known, frame: &Frame, top: f64) -> String {
+fn legend(known: &FeatureMap, frame: &Frame, top: f64) -> String {
     let features = &known.features;
     let mut text = String::from("<g fill=\"none\" stroke-width=\"1.5\">\n");
-    let symbol = |k: usize| (GAP + 10.0, top + k as f64 * LINE + 5.0);
-    let (x, y) = symbol(0);
+    let symbol = |k: usize| Point::new(GAP + 10.0, top + k as f64 * LINE + 5.0);
+    let Point { coords: first } = symbol(0);
+    let (x, y) = (first.x, first.y);
     text += &format!("<path d=\"M{:.2} {y:.2}h20v-{TICK}\" stroke=\"{WALL}\" stroke-width=\"2.5\"/>", x - 10.0);
     text += &circle(symbol(1)).replace(" class=\"corner\"", "");
     text += &cross(symbol(2)).replace(" class=\"point\"", "");
@@ -121,7 +124,7 @@ fn legend(known: &Known, frame: &Frame, top: f64) -> String {
     let counts = [
         (features.walls.len(), "wall", "the tick points away from the robot"),
         (features.corners.len(), "corner", "dashed to walls that end before it"),
-        (features.spots.len(), "point", "edges and thin things"),
+        (features.points.len(), "point", "edges and thin things"),
     ];
     for (k, (count, what, about)) in counts.iter().enumerate() {
         let (y, plural) = (top + k as f64 * LINE + 10.0, if *count == 1 { "" } else { "s" });

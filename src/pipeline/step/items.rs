@@ -3,7 +3,7 @@
 use super::scans::Scanned;
 use crate::Result;
 use crate::binning::scan::Scan;
-use crate::feature::{Found, Update};
+use crate::feature::{StageResult, Update};
 use crate::method::Unit;
 use crate::method::settings::{Certainty, Order, Settings};
 use crate::pipeline::mapper::Item;
@@ -18,7 +18,7 @@ pub enum Items {
     /// Scans, for a counting sensor model.
     Scans(Box<Scanned>),
     /// Updates of the feature-based grid, and what its stage found in the whole log.
-    Updates(Vec<Update>, Box<Found>),
+    Updates(Vec<Update>, Box<StageResult>),
 }
 
 impl Items {

@@ -28,8 +28,8 @@ pub fn pose(p: &Pose) -> Value {
 }
 
 /// A place of the world frame in cells.
-fn cell(grid: &GridSpec, (x, y): Point) -> [f64; 2] {
-    [(x - grid.x0()) / grid.resolution, (y - grid.y0()) / grid.resolution]
+fn cell(grid: &GridSpec, p: Point) -> [f64; 2] {
+    [(p.x - grid.x0()) / grid.resolution, (p.y - grid.y0()) / grid.resolution]
 }
 
 fn of_reading(lane: &Lane, last: usize, (reading, wedge): &Item) -> Value {
@@ -69,7 +69,7 @@ pub fn outcome(outcome: Outcome) -> &'static str {
 
 /// What features made of a reading.
 fn case(grid: &GridSpec, update: &Update) -> Value {
-    let sensor = (update.reading.record.pose.x, update.reading.record.pose.y);
+    let sensor = update.reading.record.pose.position();
     let fan = |fan: &Option<Fan>| {
         let fan = fan.as_ref()?;
         Some(std::iter::once(sensor).chain(fan.vertices.iter().copied()).map(|p| cell(grid, p)).collect::<Vec<_>>())
@@ -111,7 +111,7 @@ fn of_scan(lane: &Lane, last: usize, scan: &Scan) -> Value {
         "scan": last,
         "t": null,
         "robot": pose(&scan.robot),
-        "robot_cell": cell(grid, (scan.robot.x, scan.robot.y)),
+        "robot_cell": cell(grid, scan.robot.position()),
         "beams": beams,
     })
 }
@@ -122,7 +122,7 @@ pub fn beam(lane: &Lane, scan: &Scan, k: usize) -> Option<Value> {
     let (grid, at) = (lane.stepper.grid(), &ray.sensor);
     let far = ray.range.or_else(|| lane.stepper.sensors().get(ray.source.0 as usize).map(|s| s.r_max)).unwrap_or(0.0);
     let (sin, cos) = at.heading.sin_cos();
-    let ends = [(at.x, at.y), (at.x + far * cos, at.y + far * sin)].map(|p| cell(grid, p));
+    let ends = [at.position(), Point::new(at.x + far * cos, at.y + far * sin)].map(|p| cell(grid, p));
     let label = if ray.label > 0 { json!(ray.label) } else { Value::Null };
     Some(json!({"line": ray.source.1, "pose": pose(at), "range": ray.range, "label": label, "ray": ends}))
 }
