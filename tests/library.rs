@@ -9,7 +9,7 @@ use echogrid::log;
 use echogrid::method::settings::Settings;
 use echogrid::output::{Folder, RunInfo, Unfinished, read_map, write_map};
 use echogrid::pipeline::session::{Mapped, Request, Session};
-use echogrid::world::{Shipped, World, simulate};
+use echogrid::world::{Shipped, Simulation, World, simulate};
 use std::path::Path;
 
 fn request(method: &str) -> Request {
@@ -30,7 +30,8 @@ fn log_of_bend(folder: &Path) -> std::path::PathBuf {
     let shipped = Shipped::named(Path::new("bend")).unwrap();
     let world = World::parse(Path::new("bend.toml"), shipped.text).unwrap();
     let file = std::fs::File::create(&path).unwrap();
-    simulate(&world, &world.rig, 1, Some(40), file, &|_| {}).unwrap();
+    let simulation = Simulation { world: &world, rig: &world.rig, seed: 1, scans: Some(40) };
+    simulate(&simulation, file, &|_| {}).unwrap();
     path
 }
 

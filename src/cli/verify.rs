@@ -3,7 +3,7 @@
 use super::common::{LogArguments, bar, done, spinner, warn_of_jump, warn_of_log};
 use super::{note, say};
 use crate::evaluate::compare::{Options, compare, write_pictures};
-use crate::evaluate::verify::{Verification, check, same_bytes};
+use crate::evaluate::verify::{BackendRun, Verification, check_backend, same_bytes};
 use crate::kernels::{Choice, Chosen, choose, gpu_required};
 use crate::method;
 use crate::oracle::OracleMap;
@@ -111,9 +111,15 @@ impl Verify {
                     .iter()
                     .map(|(a, b)| a.abs_diff(*b))
                     .sum();
-            let backend = (chosen.backend.name(), chosen.backend.adapter());
+            let run = BackendRun {
+                name: chosen.backend.name(),
+                adapter: chosen.backend.adapter(),
+                finished: &mapped.finished,
+                wrong_counts: wrong,
+                seconds,
+            };
             let sign = spinner("comparing", hidden);
-            result.backends.push(check(&session, &oracle, &mapped.finished, backend, wrong, seconds)?);
+            result.backends.push(check_backend(&session, &oracle, run)?);
             drop(sign);
             self.draw(&session, &oracle, &result, &mapped.finished)?;
             maps.push(mapped.finished);

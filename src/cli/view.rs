@@ -5,8 +5,9 @@ use super::offered::{Offered, methods};
 use super::{note, out, say};
 use crate::output::seems_map;
 use crate::support::memory;
-use crate::view::log::{self, LogView, Wanted};
-use crate::view::map::{Beside, MapView};
+use crate::view::log::{self, LogView};
+use crate::view::map::{Companions, MapView};
+use crate::view::protocol::LaneSpec;
 use crate::view::{Options, Server, View, serve};
 use crate::{Error, Result};
 use clap::ValueHint;
@@ -73,7 +74,7 @@ impl Command {
                 )));
             }
             super::common::use_threads(self.log.threads)?;
-            let beside = Beside { with: self.with.as_deref(), truth: self.truth.as_deref(), memory: self.memory };
+            let beside = Companions { with: self.with.as_deref(), truth: self.truth.as_deref(), memory: self.memory };
             let view = MapView::open(path, &beside)?;
             view.notes().iter().for_each(|what| note!("{what}"));
             return Ok(Arc::new(view));
@@ -97,19 +98,19 @@ impl Command {
             return Err(Error::Usage(what.into()));
         }
         arguments.request()?;
-        let own = Wanted { method: arguments.method.clone(), set: arguments.pairs()?.into_iter().collect() };
+        let own = LaneSpec { method: arguments.method.clone(), set: arguments.pairs()?.into_iter().collect() };
         let mut lanes = vec![own];
         if let Some(method) = &self.beside {
-            lanes.push(Wanted { method: method.clone(), set: Default::default() });
+            lanes.push(LaneSpec { method: method.clone(), set: Default::default() });
         }
         let again = LogArguments { set: Vec::new(), ..arguments.clone() };
-        let ready = move |wanted: &Wanted| {
-            let set: Vec<(String, String)> = wanted.set.clone().into_iter().collect();
-            again.request_of(&wanted.method, &set)
+        let request = move |lane: &LaneSpec| {
+            let set: Vec<(String, String)> = lane.set.clone().into_iter().collect();
+            again.request_of(&lane.method, &set)
         };
         let options = log::Options {
             path: arguments.log.clone(),
-            ready: Box::new(ready),
+            request: Box::new(request),
             threads: arguments.threads,
             memory: self.memory,
         };
@@ -119,7 +120,7 @@ impl Command {
             }
             error => error,
         })?;
-        view.about(|session| {
+        view.with_session(|session| {
             note_bad_lines(session, "mend them; --strict refuses such a log");
             tell_idle(arguments, session);
             tell_notes(session);

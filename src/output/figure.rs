@@ -1,28 +1,33 @@
-//! `figure.svg`: mean, variance and class side by side, each with its scale in numbers and its colours' names; for the methods that
-//! have them. The pictures lie in the file.
+//! `figure.svg`: mean, variance and class side by side, each with its colour bar or the names of its colours, for the methods that have
+//! these layers. The pictures are embedded.
 
 use super::names::{FIGURE, LAYER_PICTURE};
 use super::png::{UNTOUCHED, colour};
-use super::svg::{base64, escape};
+use super::svg::escape;
 use super::{Outline, unwritable};
 use crate::Result;
 use crate::grid::{Layer, Scale};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use std::path::Path;
 
-/// The layers shown, if the method has them all.
+/// The layers of the panels; there is no figure unless the method has them all.
 const PANELS: [(&str, &str); 3] =
     [("mean", "probability of occupied"), ("variance", "variance"), ("label", "likeliest class")];
-/// A panel's edge, and what lies between two, pixels.
+/// A panel's longer edge, pixels.
 const EDGE: f64 = 420.0;
+/// The gap between panels, pixels.
 const GAP: f64 = 24.0;
-/// Above the pictures, and below them.
+/// The space above the pictures, pixels.
 const TOP: f64 = 34.0;
+/// The height of a colour bar, pixels.
 const BAR: f64 = 14.0;
+/// The distance of two lines of text, pixels.
 const LINE: f64 = 18.0;
 /// Steps of a colour bar.
 const STEPS: usize = 42;
 
-/// Writes the figure from the layers' pictures in a folder.
+/// Writes the figure, with the layers' pictures from the same folder.
 pub(super) fn write(folder: &Path, outline: &Outline, classes: &[String]) -> Result<()> {
     let layers: Vec<&Layer> =
         PANELS.iter().filter_map(|(name, _)| outline.heads.iter().find(|h| h.name == *name)).collect();
@@ -54,9 +59,9 @@ pub(super) fn write(folder: &Path, outline: &Outline, classes: &[String]) -> Res
              <image x=\"{left:.0}\" y=\"{TOP}\" width=\"{width:.1}\" height=\"{height:.1}\" preserveAspectRatio=\"none\" \
              style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>\n",
             escape(&title),
-            base64(&picture)
+            BASE64_STANDARD.encode(&picture)
         );
-        svg += &key(layer.scale, names, left, TOP + height + LINE);
+        svg += &legend(layer.scale, names, left, TOP + height + LINE);
     }
     svg += &format!(
         "<text x=\"{GAP}\" y=\"{:.0}\" fill=\"#555\">{} × {} cells of {} m: x {:.2} to {:.2} m, y {:.2} to {:.2} m</text></svg>\n",
@@ -73,8 +78,8 @@ pub(super) fn write(folder: &Path, outline: &Outline, classes: &[String]) -> Res
     std::fs::write(&path, svg).map_err(|e| unwritable(&path, e))
 }
 
-/// What a scale's colours mean, from a point on downwards.
-fn key(scale: Scale, names: &[String], left: f64, top: f64) -> String {
+/// A legend of a scale's colours, from `top` downwards.
+fn legend(scale: Scale, names: &[String], left: f64, top: f64) -> String {
     let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
     let row = |line: usize, colour: [u8; 3], text: &str| {
         let y = top + line as f64 * LINE;
@@ -87,21 +92,23 @@ fn key(scale: Scale, names: &[String], left: f64, top: f64) -> String {
             escape(text)
         )
     };
-    let unseen = |line| row(line, UNTOUCHED, "not seen");
+    let untouched = |line| row(line, UNTOUCHED, "not seen");
     match scale {
         Scale::Classes(_) => {
             let mut text: String =
                 (1..).zip(names).map(|(k, name)| row(k - 1, colour(scale, k as f64), name)).collect();
             text += &row(names.len(), colour(scale, 0.0), "undecided");
-            text + &unseen(names.len() + 1) + "\n"
+            text + &untouched(names.len() + 1) + "\n"
         }
-        Scale::Grey { low, high } | Scale::Heat { low, high } => bar(scale, [low, high], left, top) + &unseen(2) + "\n",
-        Scale::Signed { limit } => bar(scale, [-limit, limit], left, top) + &unseen(2) + "\n",
+        Scale::Grey { low, high } | Scale::Heat { low, high } => {
+            colour_bar(scale, [low, high], left, top) + &untouched(2) + "\n"
+        }
+        Scale::Signed { limit } => colour_bar(scale, [-limit, limit], left, top) + &untouched(2) + "\n",
     }
 }
 
 /// A colour bar with its ends in numbers.
-fn bar(scale: Scale, [low, high]: [f64; 2], left: f64, top: f64) -> String {
+fn colour_bar(scale: Scale, [low, high]: [f64; 2], left: f64, top: f64) -> String {
     let step = EDGE / 2.0 / STEPS as f64;
     let mut text = String::new();
     for k in 0..STEPS {

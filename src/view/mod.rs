@@ -1,34 +1,36 @@
-//! `echogrid view`: what a page in the browser is told. A [`View`] answers its questions, as plain functions; the server around it
-//! keeps everybody else out. `web/README.md` says what is asked and answered.
+//! `echogrid view`: a web server for a page that shows a log step by step, or saved maps. A [`View`] answers the page's requests as plain
+//! functions; the server around it decides who may ask. `web/README.md` documents the requests.
 
-mod answer;
+mod admission;
+mod assets;
 mod cache;
-mod guard;
+mod http_error;
 mod legend;
 pub mod log;
 pub mod map;
-mod page;
+pub mod protocol;
 mod pyramid;
-mod refusal;
+mod router;
 mod server;
 mod tile;
 
 pub use legend::legend;
-pub use pyramid::{Key, Pyramid, Shown};
+pub use pyramid::{LayerKey, Pyramid, PyramidLayer};
 pub use server::{Limits, Options, Server, serve};
-pub use tile::{EDGE, Place, Tile, levels, pixels};
+pub use tile::{EDGE, Tile, TileId, levels, pixels};
 
 use crate::{Error, Result};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// A question of the page.
+/// A request of the page, after the server admitted it.
 #[derive(Debug, Clone, Copy)]
-pub struct Ask<'a> {
-    /// POST: it changes something; GET doesn't.
+pub struct Request<'a> {
+    /// POST, which changes something; else GET.
     pub post: bool,
-    /// What follows the token, without the first slash: `api/session`.
+    /// The path behind the token, without its first slash: `api/session`.
     pub path: &'a str,
     /// The query's keys and values, decoded.
     pub query: &'a BTreeMap<String, String>,
@@ -36,12 +38,12 @@ pub struct Ask<'a> {
     pub body: &'a [u8],
 }
 
-impl Ask<'_> {
-    /// The body as what is wanted.
+impl Request<'_> {
+    /// Parses the body as JSON.
     ///
     /// # Errors
     /// [`Error::Usage`] that says what is wrong with it.
-    pub fn json<T: DeserializeOwned>(&self) -> Result<T> {
+    pub fn json_body<T: DeserializeOwned>(&self) -> Result<T> {
         serde_json::from_slice(self.body)
             .map_err(|e| Error::Usage(format!("{}: the body is not what is wanted: {e}", self.path)))
     }
@@ -49,8 +51,8 @@ impl Ask<'_> {
     /// A value of the query.
     ///
     /// # Errors
-    /// [`Error::Usage`] where it isn't there.
-    pub fn text(&self, key: &str) -> Result<&str> {
+    /// [`Error::Usage`] where the key is missing.
+    pub fn query_text(&self, key: &str) -> Result<&str> {
         let value = self.query.get(key).map(String::as_str);
         value.ok_or_else(|| Error::Usage(format!("{} wants {key}=", self.path)))
     }
@@ -58,32 +60,44 @@ impl Ask<'_> {
     /// A whole number of the query, from 0.
     ///
     /// # Errors
-    /// [`Error::Usage`] where it isn't there, or is none.
-    pub fn number(&self, key: &str) -> Result<usize> {
-        let text = self.text(key)?;
+    /// [`Error::Usage`] where the key is missing or its value is no such number.
+    pub fn query_number(&self, key: &str) -> Result<usize> {
+        let text = self.query_text(key)?;
         let number = text.parse::<u32>().map(|n| n as usize);
         number.map_err(|_| Error::Usage(format!("{key}={text} is no whole number from 0")))
     }
 }
 
-/// What it is told.
+/// The response to a request.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Answer {
+pub enum Response {
     /// JSON.
     Json(Value),
     /// Bytes, and their media type.
     Bytes(&'static str, Vec<u8>),
-    /// There is nothing to show (204).
-    Nothing,
-    /// There is no such path (404).
-    Unknown,
+    /// Nothing to show (status 204).
+    NoContent,
+    /// No such path (status 404).
+    NotFound,
 }
 
-/// What is looked at: a log being stepped through, or a saved map. Called from several threads at once.
-pub trait View: Send + Sync {
-    /// Answers a question.
+impl Response {
+    /// A response in JSON.
     ///
     /// # Errors
-    /// [`crate::Error::Usage`] for what is wrong with the question (400); others for what went wrong here (500).
-    fn answer(&self, ask: &Ask) -> Result<Answer>;
+    /// [`Error::Resources`] where the value can't be represented in JSON.
+    pub fn json(value: &impl Serialize) -> Result<Response> {
+        let json = serde_json::to_value(value);
+        json.map(Response::Json).map_err(|e| Error::Resources(format!("a response can't be written as JSON: {e}")))
+    }
+}
+
+/// What the page shows: a log being stepped through, or saved maps. Called from several threads at once.
+pub trait View: Send + Sync {
+    /// Responds to a request.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a wrong request (status 400), [`Error::Input`] for a damaged file (422), others for the server's own
+    /// failures (500).
+    fn respond(&self, request: &Request) -> Result<Response>;
 }

@@ -1,8 +1,8 @@
-//! The levels of a layer that is looked at, made when they are asked for: a tile from the four below it, those of level 0
-//! by whoever knows the cells. What was made is kept, in bounded memory, until it is out of date.
+//! Image pyramids of layers, built on demand: a tile from the four below it, those of level 0 from a function of the layer. Tiles are
+//! cached in bounded memory until they are invalidated.
 
 use super::cache::Cache;
-use super::tile::{EDGE, Place, Tile};
+use super::tile::{EDGE, Tile, TileId};
 use crate::Result;
 use crate::grid::Scale;
 use crate::output::png;
@@ -10,116 +10,117 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What tells layers apart, such as the number of a source and that of its view.
-pub type Key = [u32; 2];
+/// The identity of a layer, such as the number of a source and that of its view.
+pub type LayerKey = [u32; 2];
 
-/// Tiles of level 0 that are out of date, as the pyramid remembers them: this many times.
+/// How many of the last invalidations are remembered.
 const REMEMBERED: usize = 256;
 
-/// A layer to be shown.
-pub struct Shown<'a> {
+/// A layer whose tiles are requested.
+pub struct PyramidLayer<'a> {
     /// Its key; two layers never share one.
-    pub key: Key,
+    pub key: LayerKey,
     /// Columns and rows of its grid.
     pub extent: [usize; 2],
-    /// Its colours, which decide which of four values is the strongest.
+    /// Its colours, which decide how four values are reduced to one.
     pub scale: Scale,
-    /// The values of the tile of level 0 in a column and row of tiles, row by row from the bottom, not a number where no
-    /// reading reached; `None`: none reached any of it. Called on rayon's threads, several at once: it must not wait
-    /// for a lock whose holder waits for rayon, so hold the lock around [`Pyramid::tile`] instead.
-    pub base: &'a (dyn Fn([usize; 2]) -> Result<Option<Vec<f32>>> + Sync),
+    /// The values of the tile of level 0 in a column and row of tiles, row by row from the bottom, NaN where no reading reached;
+    /// `None` where none reached any of it. Called on several of rayon's threads at once. It must not wait for a lock whose
+    /// holder waits for rayon: hold such a lock around [`Pyramid::tile`] instead.
+    pub level0: &'a (dyn Fn([usize; 2]) -> Result<Option<Vec<f32>>> + Sync),
 }
 
-/// Tiles of several layers, in bounded memory.
+/// The cached tiles of several layers.
 #[derive(Debug)]
 pub struct Pyramid {
-    held: Mutex<Held>,
+    state: Mutex<State>,
 }
 
 #[derive(Debug)]
-struct Held {
-    tiles: Cache<(Key, Place), Option<Arc<Tile>>>,
-    /// Counts what became out of date.
-    now: u64,
-    /// What became so lately: a tile that was begun before is not kept. `None`: all of the layer.
-    stale: VecDeque<(Key, Option<Vec<[usize; 2]>>)>,
+struct State {
+    tiles: Cache<(LayerKey, TileId), Option<Arc<Tile>>>,
+    /// How many invalidations there were.
+    invalidations: u64,
+    /// The last of them: a tile whose construction began before is not cached. `None`: all of the layer.
+    recent: VecDeque<(LayerKey, Option<Vec<[usize; 2]>>)>,
 }
 
 impl Pyramid {
-    /// An empty one that holds at most so many bytes.
+    /// An empty pyramid whose cache holds at most so many bytes.
     pub fn new(bytes: usize) -> Pyramid {
-        Pyramid { held: Mutex::new(Held { tiles: Cache::new(bytes), now: 0, stale: VecDeque::new() }) }
+        Pyramid { state: Mutex::new(State { tiles: Cache::new(bytes), invalidations: 0, recent: VecDeque::new() }) }
     }
 
-    /// A tile of a layer; `None`: no reading reached any of it, or it lies outside the grid.
+    /// A tile of a layer; `None` where no reading reached any of it, or it lies outside the grid.
     ///
     /// # Errors
-    /// Those of [`Shown::base`].
-    pub fn tile(&self, of: &Shown, at: Place) -> Result<Option<Arc<Tile>>> {
-        self.find(of, at, true)
+    /// Those of [`PyramidLayer::level0`].
+    pub fn tile(&self, layer: &PyramidLayer, id: TileId) -> Result<Option<Arc<Tile>>> {
+        self.find_or_build(layer, id, true)
     }
 
-    /// Of a layer these tiles of level 0 (column, row), and all above them, are out of date.
-    pub fn invalidate(&self, key: Key, tiles: &[[usize; 2]]) {
-        let mut held = self.held();
-        held.forget(key, Some(tiles.to_vec()));
+    /// Invalidates these tiles of level 0 (column, row) of a layer, and all above them.
+    pub fn invalidate(&self, key: LayerKey, tiles: &[[usize; 2]]) {
+        let mut state = self.state();
+        state.record(key, Some(tiles.to_vec()));
         let mut level = tiles.to_vec();
         // A grid has at most 2^24 cells a side.
         for k in 0..=24 {
             level.sort_unstable();
             level.dedup();
             for [column, row] in &mut level {
-                held.tiles.remove(&(key, Place { level: k, column: *column, row: *row }));
+                state.tiles.remove(&(key, TileId { level: k, column: *column, row: *row }));
                 (*column, *row) = (*column / 2, *row / 2);
             }
         }
     }
 
-    /// All of a layer is out of date.
-    pub fn clear(&self, key: Key) {
-        let mut held = self.held();
-        held.forget(key, None);
-        held.tiles.retain(|(k, _)| *k != key);
+    /// Invalidates all tiles of a layer.
+    pub fn clear(&self, key: LayerKey) {
+        let mut state = self.state();
+        state.record(key, None);
+        state.tiles.retain(|(k, _)| *k != key);
     }
 
-    /// Finds a tile or makes it. What is only passed on the way up from level 0 is kept where there is room: it is made
-    /// again sooner than what is above it.
-    fn find(&self, of: &Shown, at: Place, asked: bool) -> Result<Option<Arc<Tile>>> {
-        let extent = at.extent(of.extent);
+    /// Finds a tile or builds it. A tile of level 0 that was not itself `requested` is cached only where there is room: it is
+    /// faster to build than those above it.
+    fn find_or_build(&self, layer: &PyramidLayer, id: TileId, requested: bool) -> Result<Option<Arc<Tile>>> {
+        let extent = id.extent(layer.extent);
         if extent.contains(&0) {
             return Ok(None);
         }
         let begun = {
-            let mut held = self.held();
-            if let Some(tile) = held.tiles.get(&(of.key, at)) {
+            let mut state = self.state();
+            if let Some(tile) = state.tiles.get(&(layer.key, id)) {
                 return Ok(tile);
             }
-            held.now
+            state.invalidations
         };
-        let values = match at.below() {
-            None => (of.base)([at.column, at.row])?,
-            Some(below) => self.gather(of, extent, &below)?,
+        let values = match id.children() {
+            None => (layer.level0)([id.column, id.row])?,
+            Some(children) => self.reduce(layer, extent, &children)?,
         };
         let some = values.filter(|v| v.iter().any(|v| !v.is_nan()));
         let tile = some.map(|values| Arc::new(Tile { extent, values }));
         let bytes = tile.as_ref().map_or(0, |t| 4 * t.values.len());
-        let mut held = self.held();
-        if !held.is_stale(of.key, at, begun) && (asked || at.level > 0 || held.tiles.has_room(bytes)) {
-            held.tiles.put((of.key, at), tile.clone(), bytes);
+        let mut state = self.state();
+        if !state.is_stale(layer.key, id, begun) && (requested || id.level > 0 || state.tiles.has_room(bytes)) {
+            state.tiles.insert((layer.key, id), tile.clone(), bytes);
         }
         Ok(tile)
     }
 
-    /// A tile's values from the four below.
-    fn gather(&self, of: &Shown, extent: [usize; 2], below: &[Place; 4]) -> Result<Option<Vec<f32>>> {
-        let quarters = below.par_iter().map(|at| self.find(of, *at, false)).collect::<Result<Vec<_>>>()?;
+    /// A tile's values from those of its children.
+    fn reduce(&self, layer: &PyramidLayer, extent: [usize; 2], children: &[TileId; 4]) -> Result<Option<Vec<f32>>> {
+        let quarters =
+            children.par_iter().map(|id| self.find_or_build(layer, *id, false)).collect::<Result<Vec<_>>>()?;
         if quarters.iter().all(Option::is_none) {
             return Ok(None);
         }
         let mut values = vec![f32::NAN; extent[0] * extent[1]];
         for (k, quarter) in quarters.iter().enumerate() {
             let Some(quarter) = quarter else { continue };
-            let ([width, _], half) = png::half(of.scale, quarter.extent, &quarter.values);
+            let ([width, _], half) = png::half(layer.scale, quarter.extent, &quarter.values);
             let (left, bottom) = (k % 2 * EDGE / 2, k / 2 * EDGE / 2);
             for (row, line) in half.chunks_exact(width).enumerate() {
                 values[(bottom + row) * extent[0] + left..][..width].copy_from_slice(line);
@@ -128,26 +129,26 @@ impl Pyramid {
         Ok(Some(values))
     }
 
-    fn held(&self) -> MutexGuard<'_, Held> {
-        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Held {
-    fn forget(&mut self, key: Key, tiles: Option<Vec<[usize; 2]>>) {
-        self.now += 1;
-        self.stale.push_back((key, tiles));
-        if self.stale.len() > REMEMBERED {
-            self.stale.pop_front();
+impl State {
+    fn record(&mut self, key: LayerKey, tiles: Option<Vec<[usize; 2]>>) {
+        self.invalidations += 1;
+        self.recent.push_back((key, tiles));
+        if self.recent.len() > REMEMBERED {
+            self.recent.pop_front();
         }
     }
 
-    /// Whether a tile became out of date since it was begun.
-    fn is_stale(&self, key: Key, at: Place, begun: u64) -> bool {
-        let since = (self.now - begun) as usize;
-        let lately = self.stale.iter().rev().take(since);
-        let meets = |tiles: &[[usize; 2]]| tiles.iter().any(|t| at.holds(*t));
-        since > self.stale.len()
+    /// Whether a tile was invalidated since its construction began.
+    fn is_stale(&self, key: LayerKey, id: TileId, begun: u64) -> bool {
+        let since = (self.invalidations - begun) as usize;
+        let lately = self.recent.iter().rev().take(since);
+        let meets = |tiles: &[[usize; 2]]| tiles.iter().any(|t| id.covers(*t));
+        since > self.recent.len()
             || lately.filter(|(k, _)| *k == key).any(|(_, tiles)| tiles.as_deref().is_none_or(meets))
     }
 }
@@ -166,7 +167,7 @@ mod tests {
     }
 
     fn part([column, row]: [usize; 2], version: f32) -> Option<Vec<f32>> {
-        let [width, height] = Place { level: 0, column, row }.extent(EXTENT);
+        let [width, height] = TileId { level: 0, column, row }.extent(EXTENT);
         let cell = |k: usize| value(column * EDGE + k % width, row * EDGE + k / width, version);
         Some((0..width * height).map(cell).collect())
     }
@@ -178,12 +179,12 @@ mod tests {
     }
 
     #[track_caller]
-    fn agrees(pyramid: &Pyramid, shown: &Shown, version: f32) {
+    fn agrees(pyramid: &Pyramid, shown: &PyramidLayer, version: f32) {
         for level in 0..crate::view::levels(EXTENT) {
             let ([width, height], all) = whole(level, shown.scale, version);
             for (row, column) in (0..height.div_ceil(EDGE)).flat_map(|r| (0..width.div_ceil(EDGE)).map(move |c| (r, c)))
             {
-                let at = Place { level, column, row };
+                let at = TileId { level, column, row };
                 let [w, h] = at.extent(EXTENT);
                 let wanted: Vec<f32> =
                     (0..w * h).map(|k| all[(row * EDGE + k / w) * width + column * EDGE + k % w]).collect();
@@ -197,17 +198,17 @@ mod tests {
     }
 
     #[test]
-    fn levels_made_tile_by_tile_are_those_of_the_whole_whatever_the_memory() {
+    fn levels_built_tile_by_tile_are_those_of_the_whole_whatever_the_memory() {
         let scale = Scale::Signed { limit: 50.0 };
         for bytes in [0, 600_000, 1 << 28] {
             let pyramid = Pyramid::new(bytes);
             let base = |at| Ok(part(at, 1.0));
-            agrees(&pyramid, &Shown { key: [0, 0], extent: EXTENT, scale, base: &base }, 1.0);
+            agrees(&pyramid, &PyramidLayer { key: [0, 0], extent: EXTENT, scale, level0: &base }, 1.0);
         }
     }
 
     #[test]
-    fn only_what_is_out_of_date_is_made_again() {
+    fn only_invalidated_tiles_are_built_again() {
         let scale = Scale::Grey { low: 0.0, high: 1.0 };
         let pyramid = Pyramid::new(1 << 28);
         let asked = AtomicUsize::new(0);
@@ -215,8 +216,8 @@ mod tests {
             asked.fetch_add(1, Ordering::Relaxed);
             Ok(part(at, 1.0))
         };
-        let first = Shown { key: [0, 0], extent: EXTENT, scale, base: &base };
-        let second = Shown { key: [0, 1], ..first };
+        let first = PyramidLayer { key: [0, 0], extent: EXTENT, scale, level0: &base };
+        let second = PyramidLayer { key: [0, 1], ..first };
         agrees(&pyramid, &first, 1.0);
         agrees(&pyramid, &second, 1.0);
         assert_eq!(asked.swap(0, Ordering::Relaxed), 24);
@@ -230,9 +231,9 @@ mod tests {
         pyramid.invalidate([0, 0], &[[1, 2], [1, 2]]);
         agrees(&pyramid, &second, 1.0);
         assert_eq!(asked.load(Ordering::Relaxed), 0);
-        let top = Place { level: 2, column: 0, row: 0 };
+        let top = TileId { level: 2, column: 0, row: 0 };
         let before = pyramid.tile(&second, top).expect("a tile");
-        let after = pyramid.tile(&Shown { base: &changed, ..first }, top).expect("a tile");
+        let after = pyramid.tile(&PyramidLayer { level0: &changed, ..first }, top).expect("a tile");
         assert_eq!(asked.swap(0, Ordering::Relaxed), 1);
         assert_ne!(before, after);
         pyramid.clear([0, 0]);
@@ -241,27 +242,27 @@ mod tests {
     }
 
     #[test]
-    fn what_changes_while_a_tile_is_made_is_not_kept() {
+    fn a_tile_invalidated_while_it_is_built_is_not_cached() {
         let scale = Scale::Grey { low: 0.0, high: 1.0 };
         let pyramid = Pyramid::new(1 << 28);
         let slow = |at| {
             pyramid.invalidate([0, 0], &[[1, 0]]);
             Ok(part(at, 1.0))
         };
-        let at = Place { level: 0, column: 1, row: 0 };
-        pyramid.tile(&Shown { key: [0, 0], extent: EXTENT, scale, base: &slow }, at).expect("a tile");
+        let at = TileId { level: 0, column: 1, row: 0 };
+        pyramid.tile(&PyramidLayer { key: [0, 0], extent: EXTENT, scale, level0: &slow }, at).expect("a tile");
         let base = |at| Ok(part(at, 2.0));
-        agrees(&pyramid, &Shown { key: [0, 0], extent: EXTENT, scale, base: &base }, 2.0);
+        agrees(&pyramid, &PyramidLayer { key: [0, 0], extent: EXTENT, scale, level0: &base }, 2.0);
     }
 
     #[test]
-    fn an_error_is_told_and_not_kept() {
+    fn an_error_is_returned_and_not_cached() {
         let scale = Scale::Grey { low: 0.0, high: 1.0 };
         let pyramid = Pyramid::new(1 << 28);
         let fails = |_| Err(crate::Error::Usage("broken".into()));
-        let top = Place { level: 2, column: 0, row: 0 };
-        assert!(pyramid.tile(&Shown { key: [0, 0], extent: EXTENT, scale, base: &fails }, top).is_err());
+        let top = TileId { level: 2, column: 0, row: 0 };
+        assert!(pyramid.tile(&PyramidLayer { key: [0, 0], extent: EXTENT, scale, level0: &fails }, top).is_err());
         let base = |at| Ok(part(at, 1.0));
-        agrees(&pyramid, &Shown { key: [0, 0], extent: EXTENT, scale, base: &base }, 1.0);
+        agrees(&pyramid, &PyramidLayer { key: [0, 0], extent: EXTENT, scale, level0: &base }, 1.0);
     }
 }

@@ -1,8 +1,8 @@
-//! The server of `echogrid view`: it listens on one address of this machine, by default one that only this machine
-//! reaches, and answers whoever knows its token.
+//! The HTTP server of `echogrid view`. It listens on one address of this machine, by default one that only this machine reaches, and
+//! serves clients that know its token.
 
 use super::View;
-use super::answer::router;
+use super::router::router;
 use crate::{Error, Result};
 use axum::Router;
 use hyper::server::conn::http1;
@@ -16,19 +16,19 @@ use tokio::runtime::Runtime;
 use tokio::sync::Semaphore;
 use tokio_io_timeout::TimeoutStream;
 
-/// Bytes of a request's head at most.
+/// Largest head of a request, bytes.
 const HEAD: usize = 64 << 10;
-/// After a connection could not be accepted, for want of file handles say.
+/// The pause after a connection could not be accepted, for example for lack of file handles.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// Where to listen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
-    /// The address of this machine; 127.0.0.1 is reached from this machine only.
+    /// The address to listen on; 127.0.0.1 is reached from this machine only.
     pub bind: IpAddr,
-    /// The port; 0: one that is free.
+    /// The port; 0: a free one.
     pub port: u16,
-    /// What clients may take.
+    /// Limits on clients.
     pub limits: Limits,
 }
 
@@ -38,18 +38,18 @@ impl Default for Options {
     }
 }
 
-/// What clients may take, so that none keeps the others out.
+/// Limits on clients, so that none of them blocks the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Connections at once; others wait to be accepted.
+    /// Open connections; further ones wait to be accepted.
     pub connections: usize,
-    /// Requests that the view works on at once; others wait.
+    /// Requests that the view works on at once; further ones wait.
     pub worked_on: usize,
-    /// How long a request's head may take, and a connection lie idle.
+    /// Time for a request's head, and for an idle connection.
     pub head: Duration,
-    /// How long a body may take, and a client to take more of an answer.
+    /// Time for a body, and for a client to accept more of a response.
     pub body: Duration,
-    /// How long a request may wait until it is worked on.
+    /// Time that a request may wait before the view works on it.
     pub wait: Duration,
 }
 
@@ -60,7 +60,7 @@ impl Default for Limits {
     }
 }
 
-/// A server that listens, until it is dropped.
+/// A server that listens until it is dropped.
 #[derive(Debug)]
 pub struct Server {
     at: SocketAddr,
@@ -69,10 +69,10 @@ pub struct Server {
 }
 
 impl Server {
-    /// Begins to listen, and to answer from `view`.
+    /// Starts to listen, and to serve `view`.
     ///
     /// # Errors
-    /// [`Error::Resources`] where the address can't be listened on.
+    /// [`Error::Resources`] where it can't listen on the address.
     pub fn open(view: Arc<dyn View>, options: &Options) -> Result<Server> {
         let failed = |what: &str| Error::Resources(format!("the server can't be started: {what}"));
         let token = token().map_err(|e| failed(&e.to_string()))?;
@@ -83,13 +83,13 @@ impl Server {
             Error::Resources(format!("{wanted} can't be listened on: {e}; give another --port, or another --bind"))
         })?;
         let at = listener.local_addr().map_err(|e| failed(&e.to_string()))?;
-        raise_limit();
+        raise_file_limit();
         let limits = options.limits;
         runtime.spawn(listen(listener, router(view, &token, limits), limits));
         Ok(Server { at, token, runtime: Some(runtime) })
     }
 
-    /// The page's address, token and all. A server that listens on every address is told by one of this machine.
+    /// The page's URL with the token. For a server that listens on every address it names the loopback one.
     pub fn address(&self) -> String {
         let mut at = self.at;
         if at.ip().is_unspecified() {
@@ -98,7 +98,7 @@ impl Server {
         format!("http://{at}/{}/", self.token)
     }
 
-    /// The port that it listens on.
+    /// The port.
     pub fn port(&self) -> u16 {
         self.at.port()
     }
@@ -107,12 +107,12 @@ impl Server {
 impl Drop for Server {
     fn drop(&mut self) {
         if let Some(runtime) = self.runtime.take() {
-            runtime.shutdown_background(); // what the view is still at is not waited for
+            runtime.shutdown_background(); // requests in progress are not waited for
         }
     }
 }
 
-/// Serves a view until Ctrl-C; `started` hears when it listens, and its error ends it.
+/// Serves a view until Ctrl-C. Calls `started` once it listens; an error of it ends the server.
 ///
 /// # Errors
 /// As [`Server::open`], and those of `started`.
@@ -146,7 +146,7 @@ async fn listen(listener: TcpListener, router: Router, limits: Limits) {
         http.timer(TokioTimer::new()).header_read_timeout(limits.head).max_buf_size(HEAD);
         let connection = http.serve_connection(TokioIo::new(Box::pin(stream)), service);
         tokio::spawn(async move {
-            let _ = connection.await; // a client that breaks off is its own affair
+            let _ = connection.await; // a client may disconnect at any time
             drop(place);
         });
     }
@@ -159,8 +159,8 @@ fn token() -> std::result::Result<String, getrandom::Error> {
     Ok(bytes.iter().map(|b| format!("{b:02x}")).collect())
 }
 
-/// Asks the system for as many file handles as connections and maps may take: often 1024 is only where it starts.
-fn raise_limit() {
+/// Raises the soft limit of file handles, often 1024, for connections and the files of maps.
+fn raise_file_limit() {
     #[cfg(unix)]
     {
         use rustix::process::{Resource, getrlimit, setrlimit};

@@ -1,7 +1,6 @@
-//! Tiles: 256 × 256 pixels of a level, on which a pixel is a block of cells, 2^level a side. In the colours of the layers'
-//! pictures, and reduced as they are.
+//! Tiles of 256 × 256 pixels. On level k a pixel covers 2^k × 2^k cells. Colours and reduction are those of the layers' pictures.
 
-use super::Ask;
+use super::Request;
 use crate::grid::Scale;
 use crate::output::png;
 use crate::{Error, Result};
@@ -20,10 +19,10 @@ pub fn pixels(extent: [usize; 2], level: usize) -> [usize; 2] {
     extent.map(|n| n.div_ceil(1 << level))
 }
 
-/// Where a tile is: its level, its column and its row of tiles there, counted from the lower left.
+/// A tile: its level, and its column and row of tiles there, counted from the lower left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Place {
-    /// 0: a pixel is a cell.
+pub struct TileId {
+    /// Its level; on level 0 a pixel is a cell.
     pub level: usize,
     /// Its column of tiles.
     pub column: usize,
@@ -31,14 +30,14 @@ pub struct Place {
     pub row: usize,
 }
 
-impl Place {
-    /// From a question's `level`, `column` and `row`, on a grid of so many columns and rows.
+impl TileId {
+    /// The tile of a request's `level`, `column` and `row`, on a grid of so many columns and rows.
     ///
     /// # Errors
-    /// [`Error::Usage`] where one is missing, or no such tile exists.
-    pub fn asked(ask: &Ask, extent: [usize; 2]) -> Result<Place> {
-        let place = Place { level: ask.number("level")?, column: ask.number("column")?, row: ask.number("row")? };
-        let Place { level, column, row } = place;
+    /// [`Error::Usage`] where one of them is missing, or no such tile exists.
+    pub fn requested(request: &Request, extent: [usize; 2]) -> Result<TileId> {
+        let [level, column, row] =
+            [request.query_number("level")?, request.query_number("column")?, request.query_number("row")?];
         if level >= levels(extent) {
             return Err(Error::Usage(format!("there is no level {level}: there are 0 to {}", levels(extent) - 1)));
         }
@@ -48,7 +47,7 @@ impl Place {
                 "there is no tile in column {column}, row {row} of level {level}: it has {columns} × {rows}"
             )));
         }
-        Ok(place)
+        Ok(TileId { level, column, row })
     }
 
     /// Columns and rows of pixels of this tile: fewer than 256 at the right and at the top of a grid.
@@ -57,23 +56,23 @@ impl Place {
         [width.saturating_sub(self.column * EDGE).min(EDGE), height.saturating_sub(self.row * EDGE).min(EDGE)]
     }
 
-    /// The tiles of the level below that it shows; some may lie outside the grid. None on level 0.
-    pub(super) fn below(&self) -> Option<[Place; 4]> {
+    /// The four tiles of the level below that it covers; some may lie outside the grid. `None` on level 0.
+    pub(super) fn children(&self) -> Option<[TileId; 4]> {
         let level = self.level.checked_sub(1)?;
-        Some([[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, up]| Place {
+        Some([[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, up]| TileId {
             level,
             column: 2 * self.column + right,
             row: 2 * self.row + up,
         }))
     }
 
-    /// Whether a tile of level 0 lies in it.
-    pub(super) fn holds(&self, [column, row]: [usize; 2]) -> bool {
+    /// Whether it covers a tile of level 0.
+    pub(super) fn covers(&self, [column, row]: [usize; 2]) -> bool {
         column >> self.level == self.column && row >> self.level == self.row
     }
 }
 
-/// A tile's values, row by row from the bottom. Not a number where no reading reached.
+/// A tile's values, row by row from the bottom. NaN where no reading reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tile {
     /// Columns and rows.
@@ -83,17 +82,17 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Its picture as PNG.
+    /// The tile as PNG.
     ///
     /// # Errors
-    /// [`Error::Resources`] if it can't be encoded.
-    pub fn picture(&self, scale: Scale) -> Result<Vec<u8>> {
-        picture(self.extent, scale, png::entries(scale, &self.values))
+    /// [`Error::Resources`] where it can't be encoded.
+    pub fn to_png(&self, scale: Scale) -> Result<Vec<u8>> {
+        encode_png(self.extent, scale, png::entries(scale, &self.values))
     }
 }
 
-/// Palette entries, the bottom row first, as a PNG on their scale.
-pub(super) fn picture(extent: [usize; 2], scale: Scale, mut entries: Vec<u8>) -> Result<Vec<u8>> {
+/// Palette entries of a scale, the bottom row first, as PNG.
+pub(super) fn encode_png(extent: [usize; 2], scale: Scale, mut entries: Vec<u8>) -> Result<Vec<u8>> {
     png::flip(&mut entries, extent[0]);
     png::picture(extent, scale, &entries).map_err(|e| Error::Resources(format!("a tile can't be drawn: {e}")))
 }

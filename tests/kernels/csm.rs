@@ -3,7 +3,7 @@
 use crate::common::{Scene, assert_oracle, data, gpu, say};
 use crate::scenes::{bounds, laser};
 use echogrid::binning::batch::BATCH;
-use echogrid::evaluate::verify::check;
+use echogrid::evaluate::verify::{BackendRun, check_backend};
 use echogrid::geometry::layout::Frame;
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
@@ -264,8 +264,9 @@ fn verified(session: &Session, name: &str, with_oracle: bool) -> Vec<Mapped> {
     let mut run = |backend: &mut dyn Backend| {
         let mapped = session.map(backend, BATCH, &|_| {}).unwrap();
         if let Some(oracle) = &oracle {
-            let at = (backend.name(), backend.adapter());
-            let found = check(session, oracle, &mapped.finished, at, 0, 0.0).unwrap();
+            let (backend, adapter) = (backend.name(), backend.adapter());
+            let run = BackendRun { name: backend, adapter, finished: &mapped.finished, wrong_counts: 0, seconds: 0.0 };
+            let found = check_backend(session, oracle, run).unwrap();
             assert!(found.passed && found.membership == 0, "{name}: {found:?}");
         }
         maps.push(mapped);

@@ -727,7 +727,9 @@ fn verify_rejects_faults() {
                 != (oracle.outside, oracle.empty_arc, oracle.wide),
         );
         let adapter = gpu.found().to_string();
-        let check = verify::check(&session, &oracle, &mapped.finished, ("gpu", adapter), wrong, 0.0).unwrap();
+        let finished = &mapped.finished;
+        let run = verify::BackendRun { name: "gpu", adapter, finished, wrong_counts: wrong, seconds: 0.0 };
+        let check = verify::check_backend(&session, &oracle, run).unwrap();
         assert_eq!(check.passed, from.is_empty(), "{what}: {check:?}");
         if !check.passed {
             let named =

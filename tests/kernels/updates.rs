@@ -280,7 +280,9 @@ fn verify_names_the_readings() {
         let mapped = session.map(backend, 33, &|_| {}).unwrap();
         let counts = (mapped.counts.outside, mapped.counts.empty_arc, mapped.counts.wide);
         assert_eq!(counts, (oracle.outside, oracle.empty_arc, oracle.wide));
-        verify::check(&session, &oracle, &mapped.finished, (backend.name(), String::new()), 0, 0.0).unwrap()
+        let (name, finished) = (backend.name(), &mapped.finished);
+        let run = verify::BackendRun { name, adapter: String::new(), finished, wrong_counts: 0, seconds: 0.0 };
+        verify::check_backend(&session, &oracle, run).unwrap()
     };
     assert!(check(&mut Cpu::new(0).unwrap()).passed);
     let Some(mut patched) = patched_gpu(&[("update.number, said_0", "update.number + 1u, said_0")]) else { return };

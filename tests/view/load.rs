@@ -1,7 +1,7 @@
 //! Many at once: each is answered, and no more are worked on than may be.
 
 use crate::web::{Puppet, Web, reply};
-use echogrid::view::{Answer, Ask, Limits, View};
+use echogrid::view::{Limits, Request, Response, View};
 use serde_json::json;
 use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,13 +17,13 @@ struct Counting {
 }
 
 impl View for Counting {
-    fn answer(&self, _: &Ask) -> echogrid::Result<Answer> {
+    fn respond(&self, _: &Request) -> echogrid::Result<Response> {
         let now = self.now.fetch_add(1, Ordering::SeqCst) + 1;
         self.most.fetch_max(now, Ordering::SeqCst);
         self.asked.fetch_add(1, Ordering::SeqCst);
         std::thread::sleep(Duration::from_millis(2));
         self.now.fetch_sub(1, Ordering::SeqCst);
-        Ok(Answer::Json(json!("done")))
+        Ok(Response::Json(json!("done")))
     }
 }
 
@@ -57,12 +57,12 @@ struct Gate {
 }
 
 impl View for Gate {
-    fn answer(&self, ask: &Ask) -> echogrid::Result<Answer> {
+    fn respond(&self, request: &Request) -> echogrid::Result<Response> {
         let mut open = self.open.lock().unwrap();
-        while !*open && ask.path == "api/wait" {
+        while !*open && request.path == "api/wait" {
             open = self.opened.wait(open).unwrap();
         }
-        Ok(Answer::Json(json!("done")))
+        Ok(Response::Json(json!("done")))
     }
 }
 

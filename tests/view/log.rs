@@ -3,10 +3,11 @@
 use crate::common::Place;
 use crate::pictures::{ask, decode, json, level, tile};
 use echogrid::method::settings::Settings;
-use echogrid::pipeline::session::Request;
+use echogrid::pipeline::session;
 use echogrid::sensor::Overrides;
-use echogrid::view::log::{LogView, Options, Wanted};
-use echogrid::view::{Answer, Ask, View};
+use echogrid::view::log::{LogView, Options};
+use echogrid::view::protocol::LaneSpec;
+use echogrid::view::{Request, Response, View};
 use echogrid::{Error, Result, method};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -19,13 +20,13 @@ fn corridor(place: &Place) -> PathBuf {
     place.path("bend.jsonl")
 }
 
-fn wanted(method: &str, set: &[(&str, &str)]) -> Wanted {
+fn wanted(method: &str, set: &[(&str, &str)]) -> LaneSpec {
     let set = set.iter().map(|(k, v)| (k.to_string(), v.to_string())).collect();
-    Wanted { method: method.into(), set }
+    LaneSpec { method: method.into(), set }
 }
 
 /// What the command makes of a lane, in brief.
-fn ready(lane: &Wanted) -> Result<Request> {
+fn ready(lane: &LaneSpec) -> Result<session::Request> {
     method::entry(&lane.method)?;
     let (mut settings, mut overrides) = (Settings::of(&lane.method).unwrap(), Overrides::default());
     for (key, value) in &lane.set {
@@ -34,24 +35,24 @@ fn ready(lane: &Wanted) -> Result<Request> {
         }
     }
     let log = echogrid::log::Options { overrides, ..Default::default() };
-    Ok(Request { log, settings, resolution: 0.05, bounds: None, until: None, strict: false })
+    Ok(session::Request { log, settings, resolution: 0.05, bounds: None, until: None, strict: false })
 }
 
-fn open(log: &Path, lanes: &[Wanted]) -> LogView {
-    let options = Options { path: log.into(), ready: Box::new(ready), threads: 0, memory: None };
+fn open(log: &Path, lanes: &[LaneSpec]) -> LogView {
+    let options = Options { path: log.into(), request: Box::new(ready), threads: 0, memory: None };
     LogView::open(options, lanes).unwrap()
 }
 
-fn post(view: &LogView, path: &str, query: &str, body: &[u8]) -> Result<Answer> {
+fn post(view: &LogView, path: &str, query: &str, body: &[u8]) -> Result<Response> {
     let pairs = query.split('&').filter_map(|p| p.split_once('=')).map(|(k, v)| (k.to_string(), v.to_string()));
     let query: BTreeMap<String, String> = pairs.collect();
-    view.answer(&Ask { post: true, path, query: &query, body })
+    view.respond(&Request { post: true, path, query: &query, body })
 }
 
 #[track_caller]
-fn told(answer: Result<Answer>) -> Value {
+fn told(answer: Result<Response>) -> Value {
     match answer {
-        Ok(Answer::Json(value)) => value,
+        Ok(Response::Json(value)) => value,
         other => panic!("{other:?}"),
     }
 }
@@ -62,7 +63,7 @@ fn go(view: &LogView, body: Value) -> Value {
 }
 
 #[track_caller]
-fn refused(answer: Result<Answer>, says: &str) {
+fn refused(answer: Result<Response>, says: &str) {
     match answer {
         Err(Error::Usage(what)) => assert!(what.contains(says), "{what}"),
         other => panic!("{other:?}"),
@@ -313,13 +314,13 @@ fn what_is_wrong_is_refused() {
     refused(ask(&view, "api/tile", "source=1&view=combined&level=0&column=0&row=0"), "there is no source 1");
     refused(ask(&view, "api/tile", "source=difference&view=combined&level=0&column=0&row=0"), "two methods");
     refused(ask(&view, "api/tile", "source=0&view=combined&level=60&column=0&row=0"), "there is no level 60");
-    assert_eq!(ask(&view, "api/nothing", "").unwrap(), Answer::Unknown);
-    assert_eq!(ask(&view, "api/go", "").unwrap(), Answer::Unknown);
+    assert_eq!(ask(&view, "api/nothing", "").unwrap(), Response::NotFound);
+    assert_eq!(ask(&view, "api/go", "").unwrap(), Response::NotFound);
 }
 
 /// A packed batch: what is said of it, and its buffers.
 fn batch(view: &LogView, query: &str) -> (Value, Vec<u8>) {
-    let Ok(Answer::Bytes("application/octet-stream", bytes)) = ask(view, "api/gpu/batch", query) else {
+    let Ok(Response::Bytes("application/octet-stream", bytes)) = ask(view, "api/gpu/batch", query) else {
         panic!("{query}")
     };
     let n = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
@@ -342,7 +343,7 @@ fn a_pages_own_words_are_held_against_the_cpus() {
         assert_eq!(bytes[frame + 8..frame + 12], [0; 4], "the mode is the page's to set");
         for shader in head["shaders"].as_object().unwrap().values() {
             let (path, query) = shader["path"].as_str().unwrap().split_once('?').unwrap();
-            let Ok(Answer::Bytes(_, source)) = ask(&view, path, query) else { panic!("{shader}") };
+            let Ok(Response::Bytes(_, source)) = ask(&view, path, query) else { panic!("{shader}") };
             let source = String::from_utf8(source).unwrap();
             assert!(source.contains(&format!("fn {}(", shader["entry"].as_str().unwrap())), "{name}");
             for constant in shader["constants"].as_object().unwrap().keys() {
@@ -374,13 +375,13 @@ fn a_pages_own_words_are_held_against_the_cpus() {
         told(send(50, &body));
         assert!(check["membership_differences"].as_u64().unwrap() > 100, "{name}: {check}");
         let shown = "source=0&view=combined&level=0&column=0&row=0";
-        assert_eq!(ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(), Answer::Nothing);
+        assert_eq!(ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(), Response::NoContent);
         // One reading's update of one cell.
         body[1 + 3 * tiles.len()] += 1;
         assert!(told(send(50, &body))["membership_differences"].as_u64().unwrap() > 100);
         assert!(matches!(
             ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(),
-            Answer::Bytes(..) | Answer::Nothing
+            Response::Bytes(..) | Response::NoContent
         ));
         assert_eq!(told(post(&view, "api/gpu/reset", "lane=0", &[])), json!({}));
         let cpus = ask(&view, "api/tile", shown).unwrap();
@@ -396,7 +397,7 @@ fn a_pages_own_words_are_held_against_the_cpus() {
         refused(send(50, &[u32::MAX]), "words were sent");
         refused(send(50, &[[1, 70000, 0, 0].as_slice(), &vec![0; words]].concat()), "no reading reached tile");
         assert_eq!(told(post(&view, "api/gpu/reset", "lane=0", &[])), json!({}));
-        assert!(matches!(ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(), Answer::Bytes(..)));
+        assert!(matches!(ask(&view, "api/tile", &format!("{shown}&backend=webgpu")).unwrap(), Response::Bytes(..)));
         refused(ask(&view, "api/gpu/batch", "lane=0&from=0&to=100000"), "items 0 to 100000");
     }
     let view = open(&log, &[wanted("csm-continuous", &[])]);

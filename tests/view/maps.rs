@@ -4,7 +4,7 @@ use crate::common::Place;
 use crate::pictures::{decode, json, level, open, stored, tile};
 use echogrid::output::read_map;
 use echogrid::view::View;
-use echogrid::view::map::{Beside, MapView};
+use echogrid::view::map::{Companions, MapView};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -124,7 +124,7 @@ fn a_cell_is_told_as_it_is_stored() {
 }
 
 fn beside(path: &Path, with: &Path) -> MapView {
-    MapView::open(path, &Beside { with: Some(with), ..Beside::default() }).unwrap()
+    MapView::open(path, &Companions { with: Some(with), ..Companions::default() }).unwrap()
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn error_levels_are_those_of_the_score() {
     for truth in [world, "t"] {
         let score = place.does(&["score", "m", "--truth", truth, "--json"]).json();
         let at = if truth == "t" { place.path("t") } else { truth.into() };
-        let view = MapView::open(&place.path("m"), &Beside { truth: Some(&at), ..Beside::default() }).unwrap();
+        let view = MapView::open(&place.path("m"), &Companions { truth: Some(&at), ..Companions::default() }).unwrap();
         let session = json(&view, "api/session", "");
         for key in ["cells", "levels", "zones", "danger", "auc", "near", "method"] {
             assert_eq!(session["score"][key], score["maps"][0][key], "{key}");
@@ -268,7 +268,7 @@ fn questions_that_make_no_sense() {
         );
     }
     for path in ["api/go", "api/working", "api/gpu/plan", "api/x"] {
-        assert_eq!(asked(path, "").unwrap(), echogrid::view::Answer::Unknown, "{path}");
+        assert_eq!(asked(path, "").unwrap(), echogrid::view::Response::NotFound, "{path}");
     }
     let session = json(&view, "api/session", "");
     assert_eq!(session["mode"], "map");

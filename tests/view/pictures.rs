@@ -1,7 +1,7 @@
 //! Tiles as a page sees them, and what they are held against.
 
 use echogrid::view::map::MapView;
-use echogrid::view::{Answer, Ask, View};
+use echogrid::view::{Request, Response, View};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -37,16 +37,16 @@ pub fn decode(bytes: &[u8]) -> Picture {
 }
 
 /// Asks a view; the query is `key=value&…`.
-pub fn ask(view: &dyn View, path: &str, query: &str) -> echogrid::Result<Answer> {
+pub fn ask(view: &dyn View, path: &str, query: &str) -> echogrid::Result<Response> {
     let pairs = query.split('&').filter_map(|p| p.split_once('=')).map(|(k, v)| (k.to_string(), v.to_string()));
     let query: BTreeMap<String, String> = pairs.collect();
-    view.answer(&Ask { post: false, path, query: &query, body: &[] })
+    view.respond(&Request { post: false, path, query: &query, body: &[] })
 }
 
 #[track_caller]
 pub fn json(view: &dyn View, path: &str, query: &str) -> Value {
     match ask(view, path, query) {
-        Ok(Answer::Json(value)) => value,
+        Ok(Response::Json(value)) => value,
         other => panic!("{path} {query}: {other:?}"),
     }
 }
@@ -56,8 +56,8 @@ pub fn json(view: &dyn View, path: &str, query: &str) -> Value {
 pub fn tile(view: &dyn View, source: &str, name: &str, [level, column, row]: [usize; 3]) -> Option<Picture> {
     let query = format!("source={source}&view={name}&level={level}&column={column}&row={row}&v=1");
     match ask(view, "api/tile", &query) {
-        Ok(Answer::Bytes("image/png", bytes)) => Some(decode(&bytes)),
-        Ok(Answer::Nothing) => None,
+        Ok(Response::Bytes("image/png", bytes)) => Some(decode(&bytes)),
+        Ok(Response::NoContent) => None,
         other => panic!("{query}: {other:?}"),
     }
 }

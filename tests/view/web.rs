@@ -1,6 +1,6 @@
 //! A server in this process, a view that does as it is told, and a client that sends whatever bytes a test wants.
 
-use echogrid::view::{Answer, Ask, Limits, Options, Server, View};
+use echogrid::view::{Limits, Options, Request, Response, Server, View};
 use echogrid::{Error, Result};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -17,13 +17,15 @@ pub struct Puppet {
 }
 
 impl View for Puppet {
-    fn answer(&self, ask: &Ask) -> Result<Answer> {
+    fn respond(&self, request: &Request) -> Result<Response> {
         let text = |what: &str| what.to_string();
-        Ok(match ask.path {
-            "api/echo" => Answer::Json(json!({"post": ask.post, "query": ask.query, "bytes": ask.body.len()})),
-            "api/gpu/words" => Answer::Json(json!({"bytes": ask.body.len()})),
-            "api/bytes" => Answer::Bytes("image/png", vec![1, 2, 3]),
-            "api/nothing" => Answer::Nothing,
+        Ok(match request.path {
+            "api/echo" => {
+                Response::Json(json!({"post": request.post, "query": request.query, "bytes": request.body.len()}))
+            }
+            "api/gpu/words" => Response::Json(json!({"bytes": request.body.len()})),
+            "api/bytes" => Response::Bytes("image/png", vec![1, 2, 3]),
+            "api/nothing" => Response::NoContent,
             "api/usage" => return Err(Error::Usage(text("wrong parameter"))),
             "api/input" => return Err(Error::input("map.zarr", "damaged")),
             "api/resources" => return Err(Error::Resources(text("no memory"))),
@@ -35,9 +37,9 @@ impl View for Puppet {
             }
             "api/slow" => {
                 std::thread::sleep(Duration::from_millis(20));
-                Answer::Json(json!("slept"))
+                Response::Json(json!("slept"))
             }
-            _ => Answer::Unknown,
+            _ => Response::NotFound,
         })
     }
 }

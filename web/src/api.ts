@@ -1,7 +1,23 @@
 // The server's answers, as promises; every path is relative to the page's own address.
 
-import type { Cell, Dated, GoAsk, History, LaneAsk, Session, State, Working } from "./protocol";
-import type { GpuCheck, GpuPlan } from "./protocol-gpu";
+import type {
+  Cell,
+  GoRequest,
+  GpuCheck,
+  GpuPlan,
+  History,
+  LaneSpec,
+  LanesRequest,
+  Session,
+  Stamp,
+  State,
+  StepUnit,
+  Working,
+} from "./generated/protocol";
+
+
+/** Where to go in a log: by so many readings or scans, or to a position. */
+export type GoTarget = { by: StepUnit; count: number } | { to: number };
 
 /** What went wrong, in the server's words. */
 export class ServerError extends Error {}
@@ -41,13 +57,14 @@ async function ask<T>(path: string, init: RequestInit, take: (response: Response
 }
 
 /** Hears what each answer of a log is of; elsewhere.ts listens. */
-export const heard = { hear: (_: Dated): void => {} };
+export const heard = { hear: (_: Stamp): void => {} };
 
-async function dated<T extends Partial<Dated>>(response: Response): Promise<T> {
-  const told = (await response.json()) as T;
-  const { version, generation } = told;
+/** An answer of a log carries its stamp, one of a map doesn't. */
+async function stamped<T>(response: Response): Promise<T> {
+  const answer = (await response.json()) as T & Partial<Stamp>;
+  const { version, generation } = answer;
   if (version !== undefined && generation !== undefined) heard.hear({ version, generation });
-  return told;
+  return answer;
 }
 
 const json = <T>(response: Response): Promise<T> => response.json() as Promise<T>;
@@ -65,22 +82,22 @@ function postBytes<T>(
   return ask(path, { method: "POST", headers: { "content-type": "application/octet-stream" }, body }, take);
 }
 
-const getDated = <T extends Partial<Dated>>(path: string, signal?: AbortSignal): Promise<T> =>
-  ask(path, signal ? { signal } : {}, dated<T>);
+const getStamped = <T>(path: string, signal?: AbortSignal): Promise<T> =>
+  ask(path, signal ? { signal } : {}, stamped<T>);
 const get = <T>(path: string): Promise<T> => ask(path, {}, json<T>);
 const bytes = (response: Response): Promise<ArrayBuffer> => response.arrayBuffer();
 
 export const api = {
   session: () => get<Session>("api/session"),
   /** `since` is the version that the page stands at: where the server's is another, all may have changed. */
-  go: (where: GoAsk, since: number | undefined, budget: number) =>
-    post<State>("api/go", { ...where, since, budget_ms: budget }),
-  lanes: (lanes: LaneAsk[]) => post<Session>("api/lanes", { lanes }),
+  go: (where: GoTarget, since: number | undefined, budget: number) =>
+    post<State>("api/go", { ...where, since, budget_ms: budget } satisfies GoRequest),
+  lanes: (lanes: LaneSpec[]) => post<Session>("api/lanes", { lanes } satisfies LanesRequest),
   cell: (column: number, row: number, signal?: AbortSignal) =>
-    getDated<Cell>(`api/cell?column=${column}&row=${row}`, signal),
-  working: (lane: number) => getDated<Working>(`api/working?lane=${lane}`),
+    getStamped<Cell>(`api/cell?column=${column}&row=${row}`, signal),
+  working: (lane: number) => getStamped<Working>(`api/working?lane=${lane}`),
   history: (lane: number, column: number, row: number, count: number) =>
-    getDated<History>(`api/history?lane=${lane}&column=${column}&row=${row}&count=${count}`),
+    getStamped<History>(`api/history?lane=${lane}&column=${column}&row=${row}&count=${count}`),
   /** A tile's picture; `null` where nothing was ever reached. */
   tile: (path: string, signal: AbortSignal) =>
     ask(path, { signal }, async (r) => (r.status === 204 ? null : createImageBitmap(await r.blob()))),

@@ -8,7 +8,7 @@ import { Runner } from "./gpu";
 import { type Check, add } from "./gpu-check";
 import { open } from "./gpu-device";
 import type { Model } from "./model";
-import type { State } from "./protocol";
+import type { State } from "./generated/protocol";
 
 export class Compute {
   private readonly box = byId("gpu", HTMLInputElement);

@@ -2,12 +2,12 @@
 // that is newer than what the page shows, the page follows.
 
 import { api, heard } from "./api";
-import type { Model } from "./model";
-import type { Dated } from "./protocol";
+import { generation, type Model } from "./model";
+import type { Stamp } from "./generated/protocol";
 import type { Stepper } from "./stepper";
 
 export class Elsewhere {
-  private newest: Dated = { version: 0, generation: 0 };
+  private newest: Stamp = { version: 0, generation: 0 };
   private running = false;
   /** Whether the page itself is changing what it would be told of. */
   changing: () => boolean = () => false;
@@ -35,7 +35,7 @@ export class Elsewhere {
     return this.running;
   }
 
-  private hear({ version, generation }: Dated): void {
+  private hear({ version, generation }: Stamp): void {
     this.newest = {
       version: Math.max(version, this.newest.version),
       generation: Math.max(generation, this.newest.generation),
@@ -51,7 +51,7 @@ export class Elsewhere {
   /** Follows, unless what is newer may be the page's own doing: then it is asked again when that has ended. */
   check(): void {
     if (this.running || this.changing()) return;
-    if (this.newest.generation > (this.model.session.generation ?? 0)) void this.renew();
+    if (this.newest.generation > generation(this.model.session)) void this.renew();
     else if (this.newest.version > (this.model.state?.version ?? 0)) this.ask();
   }
 

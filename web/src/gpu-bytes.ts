@@ -1,6 +1,6 @@
 // Bytes on their way to the GPU and back: the file of a batch, and what is read from buffers.
 
-import type { GpuBatch } from "./protocol-gpu";
+import type { GpuBatch } from "./generated/protocol";
 
 export interface Batch {
   told: GpuBatch;

@@ -5,7 +5,7 @@ import { api } from "./api";
 import { type Check, add, none } from "./gpu-check";
 import { bindings } from "./gpu-device";
 import { type Batch, type Piece, parse, posts, read } from "./gpu-bytes";
-import type { GpuBatch, GpuChunk, GpuPlan, GpuShader, Span } from "./protocol-gpu";
+import type { GpuBatch, GpuChunk, GpuPlan, GpuShader, GpuSpan } from "./generated/protocol";
 
 /** Readings in a batch, at most. */
 const PIECE = 4096;
@@ -123,7 +123,7 @@ export class Runner {
     return this.device.createBuffer({ label, size: Math.max(SMALLEST, Math.ceil(bytes / 16) * 16), usage });
   }
 
-  private upload(label: string, { file, start }: Batch, { at, bytes }: Span): GPUBindingResource {
+  private upload(label: string, { file, start }: Batch, { at, bytes }: GpuSpan): GPUBindingResource {
     const buffer = this.buffer(
       label,
       bytes,

@@ -5,7 +5,7 @@ import { api } from "./api";
 import { byId } from "./dom";
 import { number } from "./format";
 import type { Model } from "./model";
-import type { Cell, Place } from "./protocol";
+import type { Cell, CellPoint } from "./generated/protocol";
 
 export class Hover {
   private readonly line = byId("hover", HTMLOutputElement);
@@ -24,7 +24,7 @@ export class Hover {
   }
 
   /** Metres and cell, in words. */
-  where([column, row]: Place): string {
+  where([column, row]: CellPoint): string {
     const { x0, y0, resolution } = this.model.session.grid;
     const metres = (origin: number, k: number) => (origin + (k + 0.5) * resolution).toFixed(3);
     return `x ${metres(x0, column)} m, y ${metres(y0, row)} m · column ${column}, row ${row}`;
@@ -44,7 +44,7 @@ export class Hover {
   }
 
   /** What the current reading says of a cell. */
-  private says([column, row]: Place): string {
+  private says([column, row]: CellPoint): string {
     const parts = this.model.workings.map((working, lane) => {
       if (!working) return "";
       const key = (c: number, r: number) => r * this.model.session.grid.width + c;
@@ -56,7 +56,7 @@ export class Hover {
     return [...new Set(parts)].join("");
   }
 
-  private async fetch(place: Place): Promise<void> {
+  private async fetch(place: CellPoint): Promise<void> {
     const fetching = new AbortController();
     this.fetching = fetching;
     try {

@@ -4,7 +4,7 @@ import { api } from "./api";
 import { byId, make, pairs, table } from "./dom";
 import { change, count, metres, number, seconds } from "./format";
 import type { Model } from "./model";
-import type { CellSource, Chosen, History, HistoryEvent } from "./protocol";
+import type { CellSource, ChosenBeam, History, HistoryEvent, Json } from "./generated/protocol";
 
 const FIRST = 100;
 
@@ -103,7 +103,7 @@ export class Inspect {
 
   private showHistory({ total, layers, events, note }: History): void {
     // A counting sensor model counts scans; other readings tell what the log calls theirs.
-    const scans = this.model.source(Number(this.lane.value) || 0)?.method?.startsWith("csm-") ?? false;
+    const scans = this.model.countsScans(Number(this.lane.value) || 0);
     const parts: Node[] = [];
     if (note) parts.push(make("p", {}, note));
     if (!events.length) parts.push(make("p", {}, "No reading touched this cell yet."));
@@ -147,12 +147,13 @@ function gained(all: [string, number | null][]): string {
   return some.length ? some.map(([name, gain]) => `${name} ${number(gain)}`).join(", ") : "nothing";
 }
 
-/** The chosen poses and beams of a counting sensor model, whatever the server tells of them. */
-function chosen(list: Chosen[]): HTMLElement {
+/** The chosen poses and beams of a counting sensor model, with all their fields. */
+function chosen(list: ChosenBeam[]): HTMLElement {
   const keys = [...new Set(list.flatMap((c) => Object.keys(c)))].filter((k) => k !== "pose" && k !== "ray");
-  const value = (c: Chosen, key: string): string => {
-    if (key === "gained") return gained(c.gained ?? []);
-    const found = key === "scan" && typeof c.scan === "number" ? c.scan + 1 : c[key];
+  const value = (c: ChosenBeam, key: string): string => {
+    if (key === "gained") return gained(c.gained);
+    const fields: Record<string, Json> = c;
+    const found = key === "scan" ? c.scan + 1 : fields[key];
     if (key === "range") return typeof found === "number" ? metres(found) : "no hit";
     return typeof found === "number" || typeof found === "string" || found === null
       ? number(found)

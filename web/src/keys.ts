@@ -2,7 +2,7 @@
 
 import { byId, make } from "./dom";
 import type { Model } from "./model";
-import type { Place } from "./protocol";
+import type { CellPoint } from "./generated/protocol";
 
 export interface Shortcut {
   /** As `Shift+ArrowRight`. */
@@ -17,7 +17,7 @@ export interface Shortcut {
 /** Pixels of a step of panning. */
 const PAN = 80;
 
-const ARROWS: Record<string, Place> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const ARROWS: Record<string, CellPoint> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 function chord(e: KeyboardEvent): string {
   const mods = [e.ctrlKey && "Ctrl", e.metaKey && "Meta", e.altKey && "Alt", e.shiftKey && e.key.length > 1 && "Shift"];
@@ -48,7 +48,7 @@ export class Keys {
     private readonly model: Model,
     private readonly shortcuts: Shortcut[],
     private readonly say: (text: string) => void,
-    private readonly where: (place: Place) => string,
+    private readonly where: (place: CellPoint) => string,
   ) {
     const rows = [...shortcuts.filter((s) => s.when !== false), ...this.cursor()];
     byId("keys-list", HTMLDListElement).append(
@@ -93,7 +93,7 @@ export class Keys {
     }
     if (keys === "c") {
       const { grid } = model.session;
-      const [column, row] = (model.picked ?? model.viewport.centre).map(Math.floor) as Place;
+      const [column, row] = (model.picked ?? model.viewport.centre).map(Math.floor) as CellPoint;
       this.put(model.cursor ? null : [Math.min(column, grid.width - 1), Math.min(row, grid.height - 1)]);
       return true;
     }
@@ -109,12 +109,12 @@ export class Keys {
     }
     if (!arrow || e.ctrlKey || e.metaKey) return false;
     const far = e.shiftKey ? 10 : 1;
-    const next: Place = [model.cursor[0] + arrow[0] * far, model.cursor[1] + arrow[1] * far];
+    const next: CellPoint = [model.cursor[0] + arrow[0] * far, model.cursor[1] + arrow[1] * far];
     if (model.inside(next)) this.put(next);
     return true;
   }
 
-  private put(place: Place | null): void {
+  private put(place: CellPoint | null): void {
     this.model.cursor = place;
     this.model.hover = null;
     if (place) this.model.viewport.show([place[0] + 0.5, place[1] + 0.5]);

@@ -4,7 +4,7 @@ import { byId, make } from "./dom";
 import { strongestOf } from "./draw/cells";
 import { count, number } from "./format";
 import { type Model, WORKING } from "./model";
-import type { Current, Step, View, Working } from "./protocol";
+import type { Current, ViewInfo, Working, WorkingStep } from "./generated/protocol";
 import { nothing } from "./reading-panel";
 
 function swatch(colour: string, text: string, kind = ""): HTMLElement {
@@ -21,7 +21,7 @@ function scale(stops: [string, string][]): HTMLElement {
   return make("div", {}, bar, make("div", { class: "ticks" }, ...ticks.map(([text]) => make("span", {}, text))));
 }
 
-function describe(title: string, view: View): HTMLElement {
+function describe(title: string, view: ViewInfo): HTMLElement {
   const { legend } = view;
   const colours =
     legend.kind === "scale"
@@ -39,7 +39,7 @@ function describe(title: string, view: View): HTMLElement {
 }
 
 /** The shades of the working view: each is relative to this reading, so that its strong end is told. */
-function shades(title: string, working: Working | null, step: Step, current: Current | null): HTMLElement {
+function shades(title: string, working: Working | null, step: WorkingStep, current: Current | null): HTMLElement {
   const own = working?.own_is ? `; own = ${working.own_is}` : "";
   const about = `What the current reading says of each cell, relative to where it says most${own}.`;
   const why = current ? nothing(current, working) : "";

@@ -15,7 +15,7 @@ import { Model } from "./model";
 import { Parameters } from "./parameters";
 import { Player } from "./player";
 import { listen } from "./pointer";
-import type { Session } from "./protocol";
+import type { Session } from "./generated/protocol";
 import { ReadingPanel } from "./reading-panel";
 import { save } from "./save";
 import { Scene } from "./scene";
@@ -89,7 +89,7 @@ function start(session: Session): void {
   const idle: (() => boolean)[] = [() => !scene.drawing, () => unanswered() === 0, () => model.tiles.missing === 0];
   let steps: Shortcut[] = [];
   if (log) steps = startLog(model, compute, idle);
-  else showMaps(model);
+  if (session.mode === "map") showMaps(model, session);
 
   new Keys(
     model,
@@ -167,8 +167,9 @@ function startLog(model: Model, compute: Compute, idle: (() => boolean)[]): Shor
     await still();
     return change();
   };
-  model.on(["session"], () => showReport(model.session));
-  showReport(model.session);
+  const report = () => model.session.mode === "log" && showReport(model.session);
+  model.on(["session"], report);
+  report();
   announce(model, player);
   idle.push(
     () => !stepper.busy,

@@ -3,7 +3,7 @@
 import { byId, make, pairs } from "./dom";
 import { number } from "./format";
 import type { Arrangement, Model } from "./model";
-import type { Json, Session } from "./protocol";
+import type { Json, LogSession, MapSession } from "./generated/protocol";
 
 /** A tree of JSON: plain values as pairs, what holds others as a part that opens. */
 function tree(value: { [key: string]: Json }): Node[] {
@@ -23,31 +23,28 @@ function tree(value: { [key: string]: Json }): Node[] {
 }
 
 /** What came of a log's lines: used, rejected and why, bad lines with their beginnings. */
-export function showReport(session: Session): void {
-  byId("report-details", HTMLDetailsElement).hidden = !session.report;
-  const { readings, bad_lines: bad } = session.report ?? {};
+export function showReport({ report }: LogSession): void {
+  const { readings, bad_lines: bad } = report;
+  byId("report-details", HTMLDetailsElement).hidden = !isTree(readings);
   if (!isTree(readings)) return;
   const parts = tree(readings);
   parts.filter((p) => p instanceof HTMLDetailsElement).forEach((p) => (p.open = true));
-  if (isTree(bad)) {
-    const first = Array.isArray(bad.first) ? bad.first : [];
-    parts.push(pairs([["bad lines", number(Number(bad.count))]]));
-    if (first.length) parts.push(make("ul", {}, ...first.map((line) => make("li", {}, String(line)))));
-  }
+  parts.push(pairs([["bad lines", number(bad.count)]]));
+  if (bad.first.length) parts.push(make("ul", {}, ...bad.first.map((line) => make("li", {}, line))));
   byId("report", HTMLDivElement).replaceChildren(...parts);
 }
 
 const isTree = (value: Json | undefined): value is { [key: string]: Json } =>
   typeof value === "object" && value !== null && !Array.isArray(value);
 
-export function showMaps(model: Model): void {
-  const { session, look } = model;
-  const [several, score] = [session.sources.length > 1, session.score];
+export function showMaps(model: Model, { sources, report, score }: MapSession): void {
+  const { look } = model;
+  const several = sources.length > 1;
   byId("compare-details", HTMLDetailsElement).hidden = !several;
-  byId("score-details", HTMLDetailsElement).hidden = !score;
-  byId("report-details", HTMLDetailsElement).hidden = !session.report;
-  if (score) byId("score", HTMLDivElement).replaceChildren(...tree(score));
-  if (session.report) byId("report", HTMLDivElement).replaceChildren(...tree(session.report));
+  byId("score-details", HTMLDetailsElement).hidden = !isTree(score);
+  byId("report-details", HTMLDetailsElement).hidden = !isTree(report);
+  if (isTree(score)) byId("score", HTMLDivElement).replaceChildren(...tree(score));
+  if (isTree(report)) byId("report", HTMLDivElement).replaceChildren(...tree(report));
   if (!several) return;
 
   const other = byId("other", HTMLSelectElement);
@@ -55,7 +52,7 @@ export function showMaps(model: Model): void {
   const opacity = byId("opacity", HTMLInputElement);
   const arrangement = byId("arrangement", HTMLSelectElement);
   other.replaceChildren(
-    ...session.sources
+    ...sources
       .slice(1)
       .map((s, k) => make("option", { value: k + 1 }, `${s.name}${s.kind === "truth" ? " (truth)" : ""}`)),
   );

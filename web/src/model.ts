@@ -1,8 +1,21 @@
 // What the page knows, and who wants to hear of it. Parts of the page talk to each other through this alone.
 
-import type { Cell, LaneState, Place, Session, Source, State, Step, View, Working } from "./protocol";
+import type {
+  Cell,
+  CellPoint,
+  LaneState,
+  LogSource,
+  MapSource,
+  Session,
+  State,
+  ViewInfo,
+  Working,
+  WorkingStep,
+} from "./generated/protocol";
 import { type SourceId, Tiles } from "./tiles";
 import { Viewport } from "./viewport";
+
+export type Source = LogSource | MapSource;
 
 /** The view that the page draws by itself. */
 export const WORKING = "working";
@@ -13,7 +26,7 @@ export type Arrangement = "alone" | "over" | "beside";
 /** What the user chose to see. */
 export interface Look {
   view: string;
-  step: Step;
+  step: WorkingStep;
   marks: boolean;
   outline: boolean;
   axes: boolean;
@@ -26,6 +39,9 @@ export interface Look {
 }
 
 export type Topic = "session" | "state" | "look" | "pick" | "cell" | "working" | "hover" | "compute" | "view";
+
+/** Of a log how often its lanes were made anew; a map's never are. */
+export const generation = (session: Session): number => (session.mode === "log" ? session.generation : 0);
 
 export class Model {
   readonly look: Look = {
@@ -43,18 +59,18 @@ export class Model {
   state: State | null = null;
   workings: (Working | null)[] = [];
   /** The cell that is inspected, and what is known of it. */
-  picked: Place | null = null;
+  picked: CellPoint | null = null;
   cell: Cell | null = null;
   /** The cell that keys move, while they do. */
-  cursor: Place | null = null;
-  hover: Place | null = null;
+  cursor: CellPoint | null = null;
+  hover: CellPoint | null = null;
   readonly viewport: Viewport;
   readonly tiles: Tiles;
   private readonly hearers = new Map<Topic, (() => void)[]>();
 
   constructor(public session: Session) {
     this.viewport = new Viewport(session.grid, () => this.tell("view"));
-    this.tiles = new Tiles(session.levels, session.generation ?? 0, () => this.tell("view"));
+    this.tiles = new Tiles(session.levels, generation(session), () => this.tell("view"));
     this.take(session);
   }
 
@@ -69,7 +85,7 @@ export class Model {
   /** Another session: other lanes, other parameters. */
   replace(session: Session): void {
     this.viewport.regrid(session.grid);
-    this.tiles.clear(session.levels, session.generation ?? 0);
+    this.tiles.clear(session.levels, generation(session));
     this.take(session);
     this.tell("session");
     this.tell("state");
@@ -77,7 +93,7 @@ export class Model {
 
   private take(session: Session): void {
     this.session = session;
-    this.state = session.state ?? null;
+    this.state = session.mode === "log" ? session.state : null;
     this.workings = session.sources.map(() => null);
     for (const id of this.ids()) this.tiles.changed(id, "all", this.state?.version ?? 0);
     if (!this.views().some((v) => v.name === this.look.view) && this.look.view !== WORKING) {
@@ -91,7 +107,7 @@ export class Model {
   /** The log went on, or back. */
   step(state: State): void {
     this.state = state;
-    const all: Place[] = [];
+    const all: CellPoint[] = [];
     let whole = false;
     state.lanes.forEach((lane, k) => {
       this.tiles.changed(k, lane.changed, state.version);
@@ -107,7 +123,7 @@ export class Model {
     this.tell("look");
   }
 
-  pick(place: Place | null): void {
+  pick(place: CellPoint | null): void {
     this.picked = place;
     this.cell = null;
     this.tell("pick");
@@ -125,18 +141,24 @@ export class Model {
     return this.session.sources[k];
   }
 
+  /** Whether a source is of a counting sensor model, whose steps are scans. */
+  countsScans(k: number): boolean {
+    const source = this.source(k);
+    return source !== undefined && "method" in source && source.method.startsWith("csm-");
+  }
+
   lane(k: number): LaneState | undefined {
     return this.state?.lanes[k];
   }
 
-  inside([column, row]: Place): boolean {
+  inside([column, row]: CellPoint): boolean {
     const { width, height } = this.session.grid;
     return column >= 0 && row >= 0 && column < width && row < height;
   }
 
   /** Every view that some source has, each name once. */
-  views(): View[] {
-    const views = new Map<string, View>();
+  views(): ViewInfo[] {
+    const views = new Map<string, ViewInfo>();
     for (const source of this.log ? this.session.sources : this.session.sources.slice(0, 1)) {
       for (const view of source.views) if (!views.has(view.name)) views.set(view.name, view);
     }
@@ -144,7 +166,7 @@ export class Model {
   }
 
   /** The view that a panel shows: the chosen one, or where its source lacks it the first. */
-  shown(id: SourceId): View | undefined {
+  shown(id: SourceId): ViewInfo | undefined {
     if (id === "difference") return this.session.difference ?? undefined;
     const views = this.source(id)?.views ?? [];
     const other = !this.log && id > 0 && this.look.otherView;

@@ -4,7 +4,7 @@
 import { api } from "./api";
 import { byId, later, make } from "./dom";
 import type { Model } from "./model";
-import type { Key, LaneAsk, Session } from "./protocol";
+import type { LaneSpec, LogSession, ParameterInfo, Session } from "./generated/protocol";
 import { brief, choices, fromSlider, range, toSlider, words } from "./values";
 
 export class Parameters {
@@ -13,7 +13,7 @@ export class Parameters {
   private readonly add = byId("add-lane", HTMLButtonElement);
   private readonly remove = byId("remove-lane", HTMLButtonElement);
   /** What the user wants; what holds is in the session. */
-  private asked: LaneAsk[] = [];
+  private asked: LaneSpec[] = [];
   private built = "";
   private running = false;
   private again = false;
@@ -39,13 +39,19 @@ export class Parameters {
     return this.running;
   }
 
+  private get session(): LogSession {
+    const { session } = this.model;
+    if (session.mode !== "log") throw new Error("only a log has parameters");
+    return session;
+  }
+
   private second(): void {
     const first = this.asked[0];
-    const other = this.model.session.methods?.find((m) => m.name !== first?.method);
+    const other = this.session.methods.find((m) => m.name !== first?.method);
     if (first) this.ask([first, { method: other?.name ?? first.method, set: {} }]);
   }
 
-  private ask(lanes: LaneAsk[]): void {
+  private ask(lanes: LaneSpec[]): void {
     this.asked = lanes;
     void this.send();
   }
@@ -80,20 +86,20 @@ export class Parameters {
 
   /** What was refused stays in its field, marked; a refused method goes back to the one that holds. */
   private marks(): void {
-    const { sources } = this.model.session;
+    const { sources } = this.session;
     const same = sources.length === this.asked.length && sources.every((s, k) => s.method === this.asked[k]?.method);
-    if (!same) this.asked = sources.map((s) => ({ method: s.method ?? "", set: { ...s.set } }));
+    if (!same) this.asked = sources.map((s) => ({ method: s.method, set: { ...s.set } }));
     if (!same) this.build();
     for (const field of this.form.querySelectorAll<HTMLElement>("[data-key]")) {
-      const held = sources[Number(field.dataset.lane)]?.set?.[field.dataset.key ?? ""];
+      const held = sources[Number(field.dataset.lane)]?.set[field.dataset.key ?? ""];
       const wanted = this.asked[Number(field.dataset.lane)]?.set[field.dataset.key ?? ""];
       field.setAttribute("aria-invalid", String(held !== wanted));
     }
   }
 
   private refresh(): void {
-    const { sources } = this.model.session;
-    this.asked = sources.map((s) => ({ method: s.method ?? "", set: { ...s.set } }));
+    const { sources } = this.session;
+    this.asked = sources.map((s) => ({ method: s.method, set: { ...s.set } }));
     this.add.hidden = sources.length > 1;
     this.remove.hidden = sources.length < 2;
     if (this.built !== sources.map((s) => s.method).join()) this.build();
@@ -101,19 +107,19 @@ export class Parameters {
   }
 
   private build(): void {
-    const { sources, methods, sensor_keys } = this.model.session;
+    const { sources, methods, sensor_keys } = this.session;
     this.built = sources.map((s) => s.method).join();
     this.form.replaceChildren(
       ...sources.map((source, lane) => {
-        const method = methods?.find((m) => m.name === source.method);
+        const method = methods.find((m) => m.name === source.method);
         const select = make(
           "select",
           { id: `method-${lane}`, "data-lane-method": lane },
-          ...(methods ?? []).map((m) => make("option", { value: m.name, title: `${m.about} (${m.source})` }, m.name)),
+          ...methods.map((m) => make("option", { value: m.name, title: `${m.about} (${m.source})` }, m.name)),
         );
-        select.value = source.method ?? "";
+        select.value = source.method;
         select.addEventListener("change", () => {
-          this.asked[lane] = { method: select.value, set: this.kept(lane, sensor_keys ?? []) };
+          this.asked[lane] = { method: select.value, set: this.kept(lane, sensor_keys) };
           void this.send();
         });
         const reset = make("button", { type: "button", title: "sets every parameter back" }, "Defaults");
@@ -121,7 +127,7 @@ export class Parameters {
           this.asked[lane] = { method: select.value, set: {} };
           void this.send();
         });
-        const group = (title: string, keys: Key[]) =>
+        const group = (title: string, keys: ParameterInfo[]) =>
           keys.length ? [make("h4", {}, title), ...keys.map((key) => this.row(lane, key))] : [];
         return make(
           "fieldset",
@@ -129,8 +135,8 @@ export class Parameters {
           make("legend", {}, sources.length > 1 ? (lane === 0 ? "Left" : "Right") : "Method"),
           make("div", { class: "row" }, make("label", { for: select.id }, "method"), select, reset),
           make("p", { class: "about" }, `${method?.about ?? ""} (${method?.source ?? ""})`),
-          ...group("sensor", sensor_keys ?? []),
-          ...group(source.method ?? "", method?.keys ?? []),
+          ...group("sensor", sensor_keys),
+          ...group(source.method, method?.keys ?? []),
         );
       }),
     );
@@ -138,7 +144,7 @@ export class Parameters {
   }
 
   /** The sensor's keys stay when the method changes. */
-  private kept(lane: number, keys: Key[]): Record<string, string> {
+  private kept(lane: number, keys: ParameterInfo[]): Record<string, string> {
     const set = this.asked[lane]?.set ?? {};
     return Object.fromEntries(Object.entries(set).filter(([name]) => keys.some((k) => k.name === name)));
   }
@@ -151,7 +157,7 @@ export class Parameters {
     this.soon();
   }
 
-  private row(lane: number, key: Key): HTMLElement {
+  private row(lane: number, key: ParameterInfo): HTMLElement {
     const id = `set-${lane}-${key.name}`;
     const about = make("small", { id: `${id}-about` }, `${key.about}; ${key.values}`);
     const common = { id, "data-lane": lane, "data-key": key.name, "aria-describedby": about.id };
@@ -196,22 +202,22 @@ export class Parameters {
   }
 
   /** What a key is now: set, or as it applies, or the default. */
-  private held(lane: number, key: Key): string {
-    const source = this.model.session.sources[lane];
-    return source?.set?.[key.name] ?? source?.parameters?.[key.name] ?? key.default;
+  private held(lane: number, key: ParameterInfo): string {
+    const source = this.session.sources[lane];
+    return source?.set[key.name] ?? source?.parameters[key.name] ?? key.default;
   }
 
   private update(): void {
-    const { sources, methods, sensor_keys } = this.model.session;
+    const { sources, methods, sensor_keys } = this.session;
     sources.forEach((source, lane) => {
-      const keys = [...(sensor_keys ?? []), ...(methods?.find((m) => m.name === source.method)?.keys ?? [])];
+      const keys = [...sensor_keys, ...(methods.find((m) => m.name === source.method)?.keys ?? [])];
       for (const key of keys) {
         const field = document.getElementById(`set-${lane}-${key.name}`);
-        const set = source.set?.[key.name] ?? "";
+        const set = source.set[key.name] ?? "";
         field?.removeAttribute("aria-invalid");
         if (field instanceof HTMLSelectElement) field.value = set;
         if (!(field instanceof HTMLInputElement)) continue;
-        field.placeholder = brief(key, source.parameters?.[key.name] ?? key.default);
+        field.placeholder = brief(key, source.parameters[key.name] ?? key.default);
         // What is being typed is the user's.
         if (document.activeElement !== field) field.value = set;
         const slider = field.nextElementSibling;

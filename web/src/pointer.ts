@@ -1,19 +1,19 @@
 // Pointers on a panel: drag to pan, wheel or two fingers to zoom, click to inspect a cell.
 
 import type { Model } from "./model";
-import type { Place } from "./protocol";
+import type { CellPoint } from "./generated/protocol";
 
 /** Pixels that a finger may slip in a click. */
 const SLIP = 4;
 
 export function listen(model: Model, canvas: HTMLCanvasElement): void {
-  const down = new Map<number, Place>();
+  const down = new Map<number, CellPoint>();
   let moved = 0;
-  const at = (e: MouseEvent): Place => {
+  const at = (e: MouseEvent): CellPoint => {
     const box = canvas.getBoundingClientRect();
     return [e.clientX - box.left, e.clientY - box.top];
   };
-  const hover = (place: Place | null) => {
+  const hover = (place: CellPoint | null) => {
     model.hover = place;
     model.tell("hover");
   };
@@ -33,7 +33,7 @@ export function listen(model: Model, canvas: HTMLCanvasElement): void {
     const still = [...down].find(([id]) => id !== e.pointerId)?.[1];
     down.set(e.pointerId, [x, y]);
     if (!still) return model.viewport.pan(dx, dy);
-    const [was, is] = [before, [x, y] as Place].map((p) => Math.hypot(p[0] - still[0], p[1] - still[1])) as [
+    const [was, is] = [before, [x, y] as CellPoint].map((p) => Math.hypot(p[0] - still[0], p[1] - still[1])) as [
       number,
       number,
     ];

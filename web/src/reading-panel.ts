@@ -3,7 +3,7 @@
 import { byId, make, pairs } from "./dom";
 import { change, count, degrees, metres, number, seconds } from "./format";
 import type { Model } from "./model";
-import type { Current, Working } from "./protocol";
+import type { Current, Working } from "./generated/protocol";
 
 /** Rows of the table at first, and more of them at a time. */
 const ROWS = 200;

@@ -8,7 +8,7 @@ import { drawPick } from "./draw/pick";
 import { drawChosen, drawCurrent } from "./draw/reading";
 import { drawTiles } from "./draw/tiles";
 import { type Model, WORKING } from "./model";
-import type { Place } from "./protocol";
+import type { CellPoint } from "./generated/protocol";
 import type { SourceId } from "./tiles";
 
 export interface Panel {
@@ -133,7 +133,7 @@ export class Scene {
     this.follow();
   }
 
-  private get followed(): Place | null {
+  private get followed(): CellPoint | null {
     const robot = this.model.look.follow ? this.model.lane(0)?.current?.robot : null;
     return robot ? this.model.viewport.fromWorld(robot[0], robot[1]) : null;
   }

@@ -1,22 +1,22 @@
 // Goes through the log: one question at a time, in the order they were asked. A long way is gone in pieces, so that the
 // map is seen to grow and the user can stop it.
 
-import { api } from "./api";
-import type { Model } from "./model";
-import type { Dated, GoAsk, State } from "./protocol";
+import { api, type GoTarget } from "./api";
+import { generation, type Model } from "./model";
+import type { Stamp, State } from "./generated/protocol";
 
 /** Milliseconds that the server may take for a piece. */
 const BUDGET = 200;
 
 export class Stepper {
-  private queue: GoAsk[] = [];
+  private queue: GoTarget[] = [];
   private running = false;
   private stopped = false;
   private asks = false;
   /** What must be done with a new state before it is shown. */
   before: (state: State) => Promise<void> = () => Promise.resolve();
   /** The lanes are no longer those that the page knows. */
-  remade: (of: Dated) => void = () => {};
+  remade: (of: Stamp) => void = () => {};
   /** It stands still where the server said. */
   arrived: () => void = () => {};
 
@@ -36,7 +36,7 @@ export class Stepper {
   }
 
   /** By so many readings or scans, or to a reading; going to one forgets the steps that wait. */
-  async go(ask: GoAsk): Promise<void> {
+  async go(ask: GoTarget): Promise<void> {
     const last = this.queue.at(-1);
     if ("to" in ask) this.queue = [ask];
     else if (last && "by" in last && last.by === ask.by) last.count += ask.count;
@@ -67,7 +67,7 @@ export class Stepper {
         this.changed();
         const { version } = this.model.state ?? {};
         const state = await api.go(ask, version, BUDGET);
-        if (state.generation !== this.model.session.generation) {
+        if (state.generation !== generation(this.model.session)) {
           remade = state;
           this.queue = [];
           break;

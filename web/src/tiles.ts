@@ -4,7 +4,7 @@
 // asked for first; what is no longer seen is dropped from the queue.
 
 import { api } from "./api";
-import type { Place } from "./protocol";
+import type { CellPoint } from "./generated/protocol";
 
 /** Edge of a tile, pixels. */
 export const EDGE = 256;
@@ -37,7 +37,7 @@ class Versions {
   private all = 0;
   private readonly of = new Map<string, number>();
 
-  mark(changed: Place[] | "all", version: number, levels: number): void {
+  mark(changed: CellPoint[] | "all", version: number, levels: number): void {
     if (changed === "all") {
       this.all = version;
       this.of.clear();
@@ -89,7 +89,7 @@ export class Tiles {
   }
 
   /** These tiles of level 0, and what lies above them, are new. */
-  changed(source: SourceId, changed: Place[] | "all", version: number): void {
+  changed(source: SourceId, changed: CellPoint[] | "all", version: number): void {
     this.versionsOf(source).mark(changed, version, this.levels);
   }
 

@@ -41,7 +41,7 @@ export function position(model: Model): string {
   const current = state.lanes[0]?.current;
   const scans = `scan ${count(state.scan)} of ${count(state.scans)}`;
   // Of a counting sensor model a step is a scan.
-  if (model.source(0)?.method?.startsWith("csm-")) return scans;
+  if (model.countsScans(0)) return scans;
   const t = current && current.t !== null ? ` · t = ${seconds(current.t)}` : "";
   return `reading ${count(state.position)} of ${count(state.total)} · ${scans}${t}`;
 }

@@ -1,6 +1,6 @@
 // What a key may be set to, read from the server's own words for it: a choice, a range, a length.
 
-import type { Key } from "./protocol";
+import type { ParameterInfo } from "./generated/protocol";
 
 export interface Range {
   low: number;
@@ -14,14 +14,14 @@ const NUMBER = String.raw`-?\d+(?:\.\d+)?(?:e-?\d+)?`;
 const SPAN = new RegExp(`(${NUMBER})\\.\\.(${NUMBER})\\s*(deg|rad|m)?`);
 
 /** The words of a choice; `null` where other values are allowed too. */
-export function choices(key: Key): string[] | null {
+export function choices(key: ParameterInfo): string[] | null {
   const words = key.values.split("|").map((w) => w.trim());
   const plain = (w: string) => /^[\w/.-]+$/.test(w) && !w.includes("..") && !/^(number|length|N)$/.test(w);
   return words.length > 1 && words.every(plain) ? words : null;
 }
 
 /** Words that stand beside a range: `1/n`, `all`. */
-export function words(key: Key): string[] {
+export function words(key: ParameterInfo): string[] {
   return key.values
     .split("|")
     .map((w) => w.trim())
@@ -29,7 +29,7 @@ export function words(key: Key): string[] {
 }
 
 /** The reach of a slider; a length that has no upper end gets a tenth to ten times of what it is now. */
-export function range(key: Key, now: string): Range | null {
+export function range(key: ParameterInfo, now: string): Range | null {
   const span = SPAN.exec(key.values);
   if (span) {
     const [low, high] = [Number(span[1]), Number(span[2])];
@@ -65,7 +65,7 @@ export function fromSlider(r: Range, place: number): string {
 }
 
 /** A value as it fits into a field: four digits, angles in degrees. */
-export function brief(key: Key, text: string): string {
+export function brief(key: ParameterInfo, text: string): string {
   const value = plain(text);
   if (value === null) return text;
   if (!/deg/.test(key.values)) return String(Number(value.toPrecision(4)));

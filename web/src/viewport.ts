@@ -1,13 +1,13 @@
 // Which part of the grid is on screen. One for all panels, so that they stay locked together.
 
-import type { Grid, Place } from "./protocol";
+import type { CellPoint, Grid } from "./generated/protocol";
 
 /** CSS pixels a cell, at most. */
 const NEAREST = 96;
 
 export class Viewport {
   /** What stands in the middle, cells. */
-  centre: Place = [0, 0];
+  centre: CellPoint = [0, 0];
   /** CSS pixels a cell. */
   scale = 1;
   /** CSS pixels of a panel. */
@@ -56,7 +56,7 @@ export class Viewport {
   }
 
   /** From cells to pixels of a panel, y down. */
-  toScreen([column, row]: Place): Place {
+  toScreen([column, row]: CellPoint): CellPoint {
     return [
       this.width / 2 + (column - this.centre[0]) * this.scale,
       this.height / 2 - (row - this.centre[1]) * this.scale,
@@ -64,7 +64,7 @@ export class Viewport {
   }
 
   /** From pixels of a panel to cells. */
-  toCells(x: number, y: number): Place {
+  toCells(x: number, y: number): CellPoint {
     return [this.centre[0] + (x - this.width / 2) / this.scale, this.centre[1] - (y - this.height / 2) / this.scale];
   }
 
@@ -75,7 +75,7 @@ export class Viewport {
   }
 
   /** Puts a place into the middle; the grid never leaves the screen. */
-  look([column, row]: Place): void {
+  look([column, row]: CellPoint): void {
     const within = (value: number, end: number) => Math.min(Math.max(value, 0), end);
     this.centre = [within(column, this.grid.width), within(row, this.grid.height)];
     this.moved();
@@ -92,7 +92,7 @@ export class Viewport {
   }
 
   /** Moves just so far that the place is seen, with some room around it. */
-  show(place: Place): void {
+  show(place: CellPoint): void {
     const [x, y] = this.toScreen(place);
     const room = Math.min(this.width, this.height) * 0.15;
     if (x < room || y < room || x > this.width - room || y > this.height - room) {
@@ -102,14 +102,14 @@ export class Viewport {
   }
 
   /** The cell at a pixel of a panel; `null` outside the grid. */
-  cellAt(x: number, y: number): Place | null {
-    const [column, row] = this.toCells(x, y).map(Math.floor) as Place;
+  cellAt(x: number, y: number): CellPoint | null {
+    const [column, row] = this.toCells(x, y).map(Math.floor) as CellPoint;
     const inside = column >= 0 && row >= 0 && column < this.grid.width && row < this.grid.height;
     return inside ? [column, row] : null;
   }
 
   /** From metres to cells. */
-  fromWorld(x: number, y: number): Place {
+  fromWorld(x: number, y: number): CellPoint {
     return [(x - this.grid.x0) / this.grid.resolution, (y - this.grid.y0) / this.grid.resolution];
   }
 }

@@ -3,9 +3,9 @@
 
 import { byId, make } from "./dom";
 import { type Model, WORKING } from "./model";
-import type { Step } from "./protocol";
+import type { WorkingStep } from "./generated/protocol";
 
-const STEPS: [Step, string][] = [
+const STEPS: [WorkingStep, string][] = [
   ["own", "own"],
   ["cancelled", "cancelled"],
   ["normalised", "normalised"],
@@ -20,7 +20,7 @@ export class Views {
     this.layers.addEventListener("change", () => {
       if (this.layers.value) model.choose({ view: this.layers.value });
     });
-    this.step.addEventListener("change", () => model.choose({ step: this.step.value as Step }));
+    this.step.addEventListener("change", () => model.choose({ step: this.step.value as WorkingStep }));
     for (const what of ["marks", "outline", "axes", "follow"] as const) {
       const box = byId(what, HTMLInputElement);
       box.checked = model.look[what];

@@ -1,185 +1,174 @@
-//! Saved maps to look at: a map, another one beside it and their difference, the truth and the map's errors against it. What is opened
-//! is only what describes them; cells are read where a page looks.
+//! Saved maps: a map, a second map and their difference, a truth and the map's errors against it. Opening reads only the maps'
+//! descriptions; cells are read where the page shows them.
 
-mod plane;
-mod saved;
-mod scored;
+mod alignment;
+mod saved_map;
+mod scored_map;
 mod session;
 
-use super::legend::classed;
-use super::{Answer, Ask, Key, Place, Pyramid, Shown, View, legend, levels};
+use super::legend::class_legend;
+use super::protocol::{Cell, CellSource, NamedValue, Session, ViewInfo};
+use super::{LayerKey, Pyramid, PyramidLayer, Request, Response, TileId, View, legend, levels};
 use crate::grid::{GridSpec, Scale};
 use crate::output::Stored;
 use crate::{Error, Result};
-use plane::{Laid, Plane};
-use saved::{COMBINED, Saved, What, class_name};
-use scored::Scored;
-use serde_json::{Value, json};
+use alignment::{GridAlignment, LabelGrid};
+use saved_map::{COMBINED, MapLayer, SavedMap, cell_class};
+use scored_map::ScoredMap;
 use std::path::Path;
 
-/// Bytes of tiles that are kept, at most.
-const TILES: u64 = 256 << 20;
+/// Largest number of bytes of cached tiles.
+const TILE_CACHE: u64 = 256 << 20;
 /// The difference's key.
-const DIFFERENCE: Key = [u32::MAX, 0];
+const DIFFERENCE: LayerKey = [u32::MAX, 0];
 /// Colours of true classes, and of a difference.
 const SIGNED: Scale = Scale::Signed { limit: 1.0 };
 
-/// What is looked at, beside the map.
+/// What is shown beside the map.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Beside<'a> {
-    /// Another map.
+pub struct Companions<'a> {
+    /// A second map.
     pub with: Option<&'a Path>,
-    /// What is true: a world, built in or a TOML file, or a map.
+    /// The truth: a world, built in or a TOML file, or a map.
     pub truth: Option<&'a Path>,
     /// Memory that may be used, bytes.
     pub memory: Option<u64>,
 }
 
-/// Saved maps, as a page sees them.
+/// Saved maps, as the page shows them.
 pub struct MapView {
     grid: GridSpec,
     sources: Vec<Source>,
-    scored: Option<Scored>,
+    scored: Option<ScoredMap>,
     pyramid: Pyramid,
-    session: Value,
+    session: Session,
 }
 
-/// Something with views.
+/// A map or a truth with its views.
 struct Source {
     name: String,
-    kind: Kind,
-    views: Vec<Shape>,
+    kind: SourceKind,
+    views: Vec<MapSourceView>,
 }
 
-enum Kind {
-    Map(Box<Saved>),
+enum SourceKind {
+    Map(Box<SavedMap>),
     Truth,
 }
 
-/// A view: its name, what is shown, how.
-struct Shape {
-    name: String,
-    show: Show,
+/// A view of a map or a truth.
+struct MapSourceView {
+    content: ViewContent,
     scale: Scale,
-    /// As the session lists it.
-    listed: Value,
+    /// The view as the session lists it, with its name.
+    info: ViewInfo,
 }
 
+/// What a view's values are.
 #[derive(Clone, Copy)]
-enum Show {
-    Map(What),
+enum ViewContent {
+    /// A layer of a map.
+    Map(MapLayer),
+    /// The error levels of the first map.
     Levels,
+    /// The true classes.
     Truth,
 }
 
 impl MapView {
-    /// What a user should know of the truth.
+    /// Notes on the truth for the user.
     pub fn notes(&self) -> &[String] {
         self.scored.as_ref().map_or(&[], |s| &s.notes)
     }
 
-    /// Opens a map's folder, and what is looked at beside it.
+    /// Opens a map's folder, and what is shown beside it.
     ///
     /// # Errors
-    /// [`Error::Input`] where a folder is no map or what describes it can't be read; [`Error::Usage`] where the maps' cells
-    /// are not of one size; [`Error::Resources`] where there isn't the memory to score it against the truth.
-    pub fn open(path: &Path, beside: &Beside) -> Result<MapView> {
+    /// [`Error::Input`] where a folder is no map or its description can't be read; [`Error::Usage`] where the maps' cells
+    /// differ in size; [`Error::Resources`] where there isn't the memory to score it against the truth.
+    pub fn open(path: &Path, beside: &Companions) -> Result<MapView> {
         let stored = Stored::open(path)?;
         let grid = stored.grid;
-        let scored = beside.truth.map(|truth| Scored::of(&stored, &name_of(path), truth, beside.memory)).transpose()?;
-        let laid = Laid::of(&grid, &grid, "the map")?;
-        let mut sources = vec![Source::map(name_of(path), Saved::new(stored, laid), scored.is_some())];
+        let scored =
+            beside.truth.map(|truth| ScoredMap::of(&stored, &name_of(path), truth, beside.memory)).transpose()?;
+        let alignment = GridAlignment::of(&grid, &grid, "the map")?;
+        let mut sources = vec![Source::map(name_of(path), SavedMap::new(stored, alignment), scored.is_some())];
         if let Some(with) = beside.with {
             let stored = Stored::open(with)?;
-            let laid = Laid::of(&grid, &stored.grid, &with.display().to_string())?;
-            sources.push(Source::map(name_of(with), Saved::new(stored, laid), false));
+            let alignment = GridAlignment::of(&grid, &stored.grid, &with.display().to_string())?;
+            sources.push(Source::map(name_of(with), SavedMap::new(stored, alignment), false));
         }
         if let [first, second] = sources.as_mut_slice()
             && first.name == second.name
         {
-            // the folders' names don't tell them apart
+            // The folders have the same name.
             first.name = path.display().to_string();
             second.name = beside.with.map_or_else(String::new, |p| p.display().to_string());
         }
         sources.extend(scored.as_ref().map(|s| Source::truth(s.name.clone())));
-        let tiles = beside.memory.map_or(TILES, |m| TILES.min(m / 2));
+        let tiles = beside.memory.map_or(TILE_CACHE, |m| TILE_CACHE.min(m / 2));
         let pyramid = Pyramid::new(usize::try_from(tiles).unwrap_or(usize::MAX));
-        let mut view = MapView { grid, sources, scored, pyramid, session: Value::Null };
-        view.session = view.describe(&name_of(path));
-        Ok(view)
+        let session = session::session(&name_of(path), &grid, &sources, scored.as_ref());
+        Ok(MapView { grid, sources, scored, pyramid, session })
     }
 
     fn extent(&self) -> [usize; 2] {
         [self.grid.width, self.grid.height]
     }
 
-    fn tile(&self, ask: &Ask) -> Result<Answer> {
-        let at = Place::asked(ask, self.extent())?;
-        let (source, view) = (ask.text("source")?, ask.text("view")?);
+    fn tile(&self, request: &Request) -> Result<Response> {
+        let id = TileId::requested(request, self.extent())?;
+        let (source, view) = (request.query_text("source")?, request.query_text("view")?);
         let bytes = match source {
-            "difference" => self.difference(view, at)?,
+            "difference" => self.difference(view, id)?,
             _ => {
                 let number = source.parse::<usize>().ok().filter(|n| *n < self.sources.len());
                 let number = number.ok_or_else(|| Error::Usage(format!("there is no source {source}")))?;
                 let of = &self.sources[number];
-                let index = of.views.iter().position(|v| v.name == view);
+                let index = of.views.iter().position(|v| v.info.name == view);
                 let index = index.ok_or_else(|| Error::Usage(format!("{} has no view {view}", of.name)))?;
                 let key = [number as u32, index as u32];
-                match (of.views[index].show, &of.kind, &self.scored) {
-                    (Show::Map(what), Kind::Map(map), _) => map.picture(&self.pyramid, key, what, at)?,
-                    (Show::Levels, _, Some(s)) => self.plane(&s.levels, key, of.views[index].scale, at)?,
-                    (Show::Truth, _, Some(s)) => self.plane(&s.truth, key, SIGNED, at)?,
+                match (of.views[index].content, &of.kind, &self.scored) {
+                    (ViewContent::Map(layer), SourceKind::Map(map), _) => {
+                        map.tile_png(&self.pyramid, key, layer, id)?
+                    }
+                    (ViewContent::Levels, _, Some(s)) => self.labels(&s.levels, key, of.views[index].scale, id)?,
+                    (ViewContent::Truth, _, Some(s)) => self.labels(&s.truth, key, SIGNED, id)?,
                     _ => None,
                 }
             }
         };
-        Ok(bytes.map_or(Answer::Nothing, |bytes| Answer::Bytes("image/png", bytes)))
+        Ok(bytes.map_or(Response::NoContent, |bytes| Response::Bytes("image/png", bytes)))
     }
 
-    fn plane(&self, plane: &Plane, key: Key, scale: Scale, at: Place) -> Result<Option<Vec<u8>>> {
-        let base = |tile| plane.tile(tile);
-        self.shown(key, scale, at, &base)
+    /// A tile of labels as PNG.
+    fn labels(&self, labels: &LabelGrid, key: LayerKey, scale: Scale, id: TileId) -> Result<Option<Vec<u8>>> {
+        let level0 = |tile| labels.tile(tile);
+        self.tile_png(&PyramidLayer { key, extent: self.extent(), scale, level0: &level0 }, id)
     }
 
-    fn shown(
-        &self,
-        key: Key,
-        scale: Scale,
-        at: Place,
-        base: &(dyn Fn([usize; 2]) -> Result<Option<Vec<f32>>> + Sync),
-    ) -> Result<Option<Vec<u8>>> {
-        let shown = Shown { key, extent: self.extent(), scale, base };
-        self.pyramid.tile(&shown, at)?.map(|t| t.picture(scale)).transpose()
+    fn tile_png(&self, layer: &PyramidLayer, id: TileId) -> Result<Option<Vec<u8>>> {
+        self.pyramid.tile(layer, id)?.map(|t| t.to_png(layer.scale)).transpose()
     }
 
-    /// The two maps, if there is a difference to show: both have cells of one size, that fall on one another.
-    fn pair(&self) -> Option<[&Saved; 2]> {
-        match &self.sources[..] {
-            [Source { kind: Kind::Map(a), .. }, Source { kind: Kind::Map(b), .. }, ..] => {
-                b.laid.exact.then_some([a.as_ref(), b.as_ref()])
-            }
-            _ => None,
-        }
-    }
-
-    /// The second map less the first. Where only one has seen a cell, the other counts as 0: it knows nothing.
-    fn difference(&self, view: &str, at: Place) -> Result<Option<Vec<u8>>> {
-        let pair = self.pair().filter(|_| view == "combined");
+    /// The second map minus the first. Where only one has seen a cell the other counts as 0, which is unknown.
+    fn difference(&self, view: &str, id: TileId) -> Result<Option<Vec<u8>>> {
+        let pair = map_pair(&self.sources).filter(|_| view == "combined");
         let [a, b] = pair.ok_or_else(|| Error::Usage(format!("there is no difference {view}")))?;
-        let base = |tile| {
-            let of = |map: &Saved| map.tile(What::Combined, tile);
+        let level0 = |tile| {
+            let of = |map: &SavedMap| map.tile(MapLayer::Combined, tile);
             Ok(match (of(a)?, of(b)?) {
                 (None, None) => None,
                 (Some(a), None) => Some(a.into_iter().map(|v| -v).collect()),
                 (None, Some(b)) => Some(b),
-                (Some(a), Some(b)) => Some(a.into_iter().zip(b).map(|(a, b)| less(b, a)).collect()),
+                (Some(a), Some(b)) => Some(a.into_iter().zip(b).map(|(a, b)| difference(b, a)).collect()),
             })
         };
-        self.shown(DIFFERENCE, SIGNED, at, &base)
+        self.tile_png(&PyramidLayer { key: DIFFERENCE, extent: self.extent(), scale: SIGNED, level0: &level0 }, id)
     }
 
-    fn cell(&self, ask: &Ask) -> Result<Answer> {
-        let at = [ask.number("column")?, ask.number("row")?];
+    fn cell(&self, request: &Request) -> Result<Response> {
+        let at = [request.query_number("column")?, request.query_number("row")?];
         let [column, row] = at;
         let [width, height] = self.extent();
         if column >= width || row >= height {
@@ -189,39 +178,54 @@ impl MapView {
         let mut sources = Vec::new();
         for (k, source) in self.sources.iter().enumerate() {
             sources.push(match (&source.kind, &self.scored) {
-                (Kind::Map(map), scored) => {
+                (SourceKind::Map(map), scored) => {
                     let mut cell = map.cell(&source.name, at)?;
                     let level = scored.as_ref().filter(|_| k == 0).and_then(|s| s.level(at));
-                    if let (Some(level), Some(values)) = (level, cell["values"].as_array_mut()) {
-                        values.push(json!(["error_level", level]));
-                    }
+                    cell.values.extend(level.map(|level| NamedValue("error_level".into(), Some(level.into()))));
                     cell
                 }
-                (Kind::Truth, scored) => {
+                (SourceKind::Truth, scored) => {
                     let class = scored.as_ref().map_or(0, |s| s.truth.at(at));
-                    let class_name = class_name(f64::from(class));
-                    json!({"name": source.name, "touched": class != 0, "class": class_name, "values": []})
+                    CellSource {
+                        name: source.name.clone(),
+                        touched: class != 0,
+                        class: cell_class(f64::from(class)),
+                        interior: None,
+                        arc: None,
+                        values: Vec::new(),
+                        chosen: None,
+                    }
                 }
             });
         }
         let (x, y) = (crate::output::tidy(x), crate::output::tidy(y));
-        Ok(Answer::Json(json!({"column": column, "row": row, "x": x, "y": y, "sources": sources})))
+        Response::json(&Cell { column, row, x, y, sources })
     }
 }
 
 impl View for MapView {
-    fn answer(&self, ask: &Ask) -> Result<Answer> {
-        match (ask.post, ask.path) {
-            (false, "api/session") => Ok(Answer::Json(self.session.clone())),
-            (false, "api/tile") => self.tile(ask),
-            (false, "api/cell") => self.cell(ask),
-            _ => Ok(Answer::Unknown),
+    fn respond(&self, request: &Request) -> Result<Response> {
+        match (request.post, request.path) {
+            (false, "api/session") => Response::json(&self.session),
+            (false, "api/tile") => self.tile(request),
+            (false, "api/cell") => self.cell(request),
+            _ => Ok(Response::NotFound),
         }
     }
 }
 
-/// `b − a`; what isn't known counts as 0 where the other is.
-fn less(b: f32, a: f32) -> f32 {
+/// The two maps of a difference, if there is one: their cells must coincide.
+fn map_pair(sources: &[Source]) -> Option<[&SavedMap; 2]> {
+    match sources {
+        [Source { kind: SourceKind::Map(a), .. }, Source { kind: SourceKind::Map(b), .. }, ..] => {
+            b.alignment.exact.then_some([a.as_ref(), b.as_ref()])
+        }
+        _ => None,
+    }
+}
+
+/// `b − a`; an unknown value counts as 0 where the other is known.
+fn difference(b: f32, a: f32) -> f32 {
     match (b.is_nan(), a.is_nan()) {
         (true, true) => f32::NAN,
         (true, false) => -a,
@@ -230,7 +234,7 @@ fn less(b: f32, a: f32) -> f32 {
     }
 }
 
-/// What a folder or file is called, without what comes before and after its name.
+/// The name of a folder, or of a file without its extension.
 fn name_of(path: &Path) -> String {
     let resolved = path.canonicalize();
     let path = resolved.as_deref().unwrap_or(path);

@@ -1,6 +1,6 @@
 // What every drawing needs: the canvas, where it looks, and the page's colours.
 
-import type { Place } from "../protocol";
+import type { CellPoint } from "../generated/protocol";
 import type { Viewport } from "../viewport";
 
 /** The theme's colours, read from the style sheet. */
@@ -52,7 +52,7 @@ export function readInk(): Ink {
 }
 
 /** Pixels of the screen from column to column, or row to row, rounded so that neighbours meet without a seam. */
-export function pixels(brush: Brush, from: Place, to: Place): { x: number; y: number; width: number; height: number } {
+export function pixels(brush: Brush, from: CellPoint, to: CellPoint): { x: number; y: number; width: number; height: number } {
   const { viewport, ratio } = brush;
   const [left, bottom] = viewport.toScreen(from);
   const [right, top] = viewport.toScreen(to);
@@ -62,7 +62,7 @@ export function pixels(brush: Brush, from: Place, to: Place): { x: number; y: nu
 }
 
 /** A path through places. */
-export function trace({ context, viewport }: Brush, places: Place[], close = false): void {
+export function trace({ context, viewport }: Brush, places: CellPoint[], close = false): void {
   context.beginPath();
   places.forEach((place, k) => {
     const [x, y] = viewport.toScreen(place);

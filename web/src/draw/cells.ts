@@ -1,7 +1,7 @@
 // The cells that one reading touched: marked thinly, or shaded by how much it says of them. Baked into a picture of one
 // pixel a cell.
 
-import type { Step, Working } from "../protocol";
+import type { Working, WorkingStep } from "../generated/protocol";
 import { type Brush, pixels } from "./brush";
 
 /** Cells a picture may have; a reading that spreads over more is drawn cell by cell. */
@@ -30,7 +30,7 @@ interface Baked {
 const bakery = new Map<number, Baked>();
 
 /** Where a later step of the evidence shades the arc: its largest, and what it is. */
-export function strongestOf(working: Working, step: Step): { value: number; is: string } | null {
+export function strongestOf(working: Working, step: WorkingStep): { value: number; is: string } | null {
   const values = step === "own" ? undefined : working[step];
   if (!values || !working.steps.includes(step)) return null;
   const all = values.map((v, k) => (working.region[k] === 1 ? Math.abs(v ?? 0) : 0));
@@ -38,7 +38,7 @@ export function strongestOf(working: Working, step: Step): { value: number; is: 
 }
 
 /** How strong each cell's shade is: the server's own, or a later step of the evidence over its largest. */
-function strengths(working: Working, step: Step): (number | null)[] {
+function strengths(working: Working, step: WorkingStep): (number | null)[] {
   const values = step === "own" ? undefined : working[step];
   const largest = strongestOf(working, step)?.value;
   if (!values || largest === undefined) return working.strength;
@@ -51,7 +51,7 @@ function span(values: number[]): [number, number] {
   return values.reduce<[number, number]>(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
 }
 
-function bake(lane: number, working: Working, step: Step | "marks"): Baked | null {
+function bake(lane: number, working: Working, step: WorkingStep | "marks"): Baked | null {
   const known = bakery.get(lane);
   if (known?.working === working && known.key === step) return known;
   if (!working.column.length) return null;
@@ -82,7 +82,7 @@ function bake(lane: number, working: Working, step: Step | "marks"): Baked | nul
 }
 
 /** Fills the cells, and borders them where they are large enough. */
-export function drawCells(brush: Brush, lane: number, working: Working, step: Step | "marks"): void {
+export function drawCells(brush: Brush, lane: number, working: Working, step: WorkingStep | "marks"): void {
   const { context, viewport, ink } = brush;
   const baked = bake(lane, working, step);
   if (baked) {

@@ -1,9 +1,9 @@
 // The inspected cell, and the one that keys move.
 
-import type { Place } from "../protocol";
+import type { CellPoint } from "../generated/protocol";
 import type { Brush } from "./brush";
 
-export function drawPick(brush: Brush, [column, row]: Place, kind: "picked" | "cursor"): void {
+export function drawPick(brush: Brush, [column, row]: CellPoint, kind: "picked" | "cursor"): void {
   const { context, viewport, ink } = brush;
   const [x, y] = viewport.toScreen([column + 0.5, row + 0.5]);
   const half = Math.max(viewport.scale / 2, 4) + 1.5;
@@ -22,7 +22,7 @@ export function drawPick(brush: Brush, [column, row]: Place, kind: "picked" | "c
     [-1, 0],
     [0, 1],
     [0, -1],
-  ] as Place[]) {
+  ] as CellPoint[]) {
     context.moveTo(x + dx * (half + 3), y + dy * (half + 3));
     context.lineTo(x + dx * (half + 10), y + dy * (half + 10));
   }

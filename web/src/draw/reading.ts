@@ -1,6 +1,6 @@
 // The reading, or the scan, that was applied last: the robot, the cone's outline, what a feature made of it, the beams.
 
-import type { Case, Chosen, Current, CurrentReading, Place, Pose } from "../protocol";
+import type { CellPoint, ChosenBeam, Current, CurrentReading, FeatureCase, WorldPose } from "../generated/protocol";
 import { type Brush, stroke, trace } from "./brush";
 
 export function drawCurrent(brush: Brush, current: Current): void {
@@ -36,14 +36,14 @@ function drawOutline(brush: Brush, { outline }: CurrentReading): void {
 }
 
 /** A fan: from the sensor over the places and back to it. */
-function fan(brush: Brush, sensor: Place, places: Place[]): void {
+function fan(brush: Brush, sensor: CellPoint, places: CellPoint[]): void {
   trace(brush, [sensor, ...places], true);
 }
 
-function drawCase(brush: Brush, made: Case, reading: CurrentReading): void {
+function drawCase(brush: Brush, made: FeatureCase, reading: CurrentReading): void {
   const { context, viewport, ink } = brush;
   const sensor = reading.outline?.sensor ?? viewport.fromWorld(reading.pose[0], reading.pose[1]);
-  const fill = (places: Place[], colour: string, weight: number) => {
+  const fill = (places: CellPoint[], colour: string, weight: number) => {
     fan(brush, sensor, places);
     context.globalAlpha = 0.15 + 0.3 * weight;
     context.fillStyle = colour;
@@ -73,7 +73,7 @@ function drawCase(brush: Brush, made: Case, reading: CurrentReading): void {
   }
 }
 
-function drawBeams(brush: Brush, beams: { ray: [Place, Place]; faint: boolean }[]): void {
+function drawBeams(brush: Brush, beams: { ray: [CellPoint, CellPoint]; faint: boolean }[]): void {
   const { context, viewport, ink } = brush;
   context.lineWidth = 1;
   for (const { ray, faint } of beams) {
@@ -91,7 +91,7 @@ function drawBeams(brush: Brush, beams: { ray: [Place, Place]; faint: boolean }[
 }
 
 /** The poses and the beams that speak of the inspected cell. */
-export function drawChosen(brush: Brush, chosen: Chosen[]): void {
+export function drawChosen(brush: Brush, chosen: ChosenBeam[]): void {
   const { context, viewport, ink } = brush;
   for (const { pose, ray } of chosen) {
     if (ray) {
@@ -108,7 +108,7 @@ export function drawChosen(brush: Brush, chosen: Chosen[]): void {
 }
 
 /** A disc of 0.2 m, but never too small to see, and where it heads. */
-function drawRobot(brush: Brush, [x, y, heading]: Pose): void {
+function drawRobot(brush: Brush, [x, y, heading]: WorldPose): void {
   const { context, viewport, ink } = brush;
   const [px, py] = viewport.toScreen(viewport.fromWorld(x, y));
   const radius = Math.max(6, (0.2 * viewport.scale) / viewport.grid.resolution);

@@ -1,7 +1,7 @@
 // A source's tiles on a panel: the level that suits the zoom, and while its tiles load what coarser or finer ones show
 // of it.
 
-import type { Place } from "../protocol";
+import type { CellPoint } from "../generated/protocol";
 import { EDGE, type SourceId, type Tiles } from "../tiles";
 import { type Brush, pixels } from "./brush";
 
@@ -25,11 +25,11 @@ export function drawTiles(brush: Brush, tiles: Tiles, levels: number, layer: Lay
   const { width, height } = viewport.grid;
   const [left, top] = viewport.toCells(0, 0);
   const [right, bottom] = viewport.toCells(viewport.width, viewport.height);
-  const places: Place[] = [];
+  const places: CellPoint[] = [];
   for (let c = Math.max(0, Math.floor(left / span)); c * span < Math.min(right, width); c++) {
     for (let r = Math.max(0, Math.floor(bottom / span)); r * span < Math.min(top, height); r++) places.push([c, r]);
   }
-  const far = ([c, r]: Place) =>
+  const far = ([c, r]: CellPoint) =>
     Math.hypot((c + 0.5) * span - viewport.centre[0], (r + 0.5) * span - viewport.centre[1]);
   places.sort((a, b) => far(a) - far(b));
 
@@ -57,7 +57,7 @@ function clipToGrid(brush: Brush): void {
 /** A tile's box; its picture may be smaller than a whole tile. */
 function boxOf(brush: Brush, level: number, c: number, r: number, width = EDGE, height = EDGE) {
   const cells = 2 ** level;
-  const from: Place = [c * EDGE * cells, r * EDGE * cells];
+  const from: CellPoint = [c * EDGE * cells, r * EDGE * cells];
   return pixels(brush, from, [from[0] + width * cells, from[1] + height * cells]);
 }
 
@@ -96,7 +96,7 @@ function standIn(brush: Brush, tiles: Tiles, levels: number, layer: Layer, level
       [1, 0],
       [0, 1],
       [1, 1],
-    ] as Place[]) {
+    ] as CellPoint[]) {
       const picture = tiles.peek(layer.source, layer.view, level - 1, 2 * c + dc, 2 * r + dr);
       if (picture) put(brush, picture, level - 1, 2 * c + dc, 2 * r + dr);
     }

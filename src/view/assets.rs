@@ -1,4 +1,4 @@
-//! The page's own files, built in: nothing is ever read from disk because a request named it.
+//! The page's files, embedded in the binary: no request reads a file that it names from disk.
 
 /// Files of the page: name, media type, bytes.
 pub(super) const FILES: [(&str, &str, &[u8]); 3] = [

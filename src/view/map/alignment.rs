@@ -1,61 +1,63 @@
-//! Where one grid's cells lie on another's, and what of them a tile shows.
+//! The alignment of one grid's cells with another's, and the part of them that a tile shows.
 
 use crate::grid::GridSpec;
-use crate::view::{EDGE, Place};
+use crate::view::{EDGE, TileId};
 use crate::{Error, Result};
 use std::sync::Arc;
 
-/// A grid laid on the one that is looked at.
+/// A grid's position on the base grid, which is that of the first map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Laid {
-    on: [usize; 2],
-    /// Columns and rows of its own.
+pub(super) struct GridAlignment {
+    /// Columns and rows of the base grid.
+    base: [usize; 2],
+    /// Columns and rows of the grid itself.
     pub extent: [usize; 2],
-    /// Cells right of and above the other's lower left corner.
+    /// The column and row of its lower left corner on the base grid.
     first: [i64; 2],
-    /// Whether its cells fall on the other's; else it is shown moved by less than half a cell.
+    /// Whether its cells coincide with the base grid's; else it is shown shifted by less than half a cell.
     pub exact: bool,
 }
 
-impl Laid {
-    /// Lays a grid on another.
+impl GridAlignment {
+    /// Aligns a grid with the base grid.
     ///
     /// # Errors
-    /// [`Error::Usage`] where their cells are not of one size; `name` is what the error calls the grid.
-    pub fn of(on: &GridSpec, grid: &GridSpec, name: &str) -> Result<Laid> {
-        let largest = [on.width, on.height, grid.width, grid.height].into_iter().fold(1, usize::max);
-        // over a whole map the two may drift apart by a hundredth of a cell
-        if (grid.resolution / on.resolution - 1.0).abs() * largest as f64 > 0.01 {
+    /// [`Error::Usage`] where their cells differ in size; `name` is what the error calls the grid.
+    pub fn of(base: &GridSpec, grid: &GridSpec, name: &str) -> Result<GridAlignment> {
+        let largest = [base.width, base.height, grid.width, grid.height].into_iter().fold(1, usize::max);
+        // Over a whole map the two may drift apart by a hundredth of a cell.
+        if (grid.resolution / base.resolution - 1.0).abs() * largest as f64 > 0.01 {
             return Err(Error::Usage(format!(
                 "{name} has cells of {} m, the map that it is laid on of {} m: make both with one --resolution",
-                grid.resolution, on.resolution
+                grid.resolution, base.resolution
             )));
         }
-        let apart = |on: (f64, i64), of: (f64, i64), resolution: f64| {
-            let cells = (of.0 - on.0) / resolution;
-            (cells.round() as i64).saturating_add(of.1 - on.1).clamp(-FAR, FAR)
+        let offset = |base: (f64, i64), of: (f64, i64), resolution: f64| {
+            let cells = (of.0 - base.0) / resolution;
+            (cells.round() as i64).saturating_add(of.1 - base.1).clamp(-FAR, FAR)
         };
-        let fits = |on: f64, of: f64| ((of - on) / grid.resolution).fract().abs();
-        let whole = |rest: f64| rest.min(1.0 - rest) < 1e-4;
+        let fraction = |base: f64, of: f64| ((of - base) / grid.resolution).fract().abs();
+        let is_whole = |rest: f64| rest.min(1.0 - rest) < 1e-4;
         let first = [
-            apart((on.anchor.0, on.i0), (grid.anchor.0, grid.i0), on.resolution),
-            apart((on.anchor.1, on.j0), (grid.anchor.1, grid.j0), on.resolution),
+            offset((base.anchor.0, base.i0), (grid.anchor.0, grid.i0), base.resolution),
+            offset((base.anchor.1, base.j0), (grid.anchor.1, grid.j0), base.resolution),
         ];
-        let exact = whole(fits(on.anchor.0, grid.anchor.0)) && whole(fits(on.anchor.1, grid.anchor.1));
-        Ok(Laid { on: [on.width, on.height], extent: [grid.width, grid.height], first, exact })
+        let exact =
+            is_whole(fraction(base.anchor.0, grid.anchor.0)) && is_whole(fraction(base.anchor.1, grid.anchor.1));
+        Ok(GridAlignment { base: [base.width, base.height], extent: [grid.width, grid.height], first, exact })
     }
 
-    /// Columns and rows of the grid that is looked at.
-    pub fn on(&self) -> [usize; 2] {
-        self.on
+    /// Columns and rows of the base grid.
+    pub fn base(&self) -> [usize; 2] {
+        self.base
     }
 
-    /// Whether it is the grid that is looked at.
-    pub fn same(&self) -> bool {
-        self.first == [0, 0] && self.extent == self.on
+    /// Whether the grid is the base grid.
+    pub fn is_base(&self) -> bool {
+        self.first == [0, 0] && self.extent == self.base
     }
 
-    /// The column and row, in this grid, of a cell of the other; `None`: it has none there.
+    /// The column and row, in this grid, of a cell of the base grid; `None` where this grid has no cell.
     pub fn cell(&self, at: [usize; 2]) -> Option<[usize; 2]> {
         let own = |k: usize| {
             let own = usize::try_from(at[k] as i64 - self.first[k]).ok()?;
@@ -64,14 +66,14 @@ impl Laid {
         Some([own(0)?, own(1)?])
     }
 
-    /// The values that a tile of level 0 shows, from the pieces of 256 × 256 cells of this grid that it lies over; `None`: no
+    /// The values of a tile of level 0 of the base grid, from the pieces of 256 × 256 cells of this grid that it overlaps; `None` where no
     /// piece has any.
     pub fn tile(
         &self,
         [column, row]: [usize; 2],
         piece: impl Fn([usize; 2]) -> Result<Option<Arc<Vec<f32>>>>,
     ) -> Result<Option<Vec<f32>>> {
-        let extent = Place { level: 0, column, row }.extent(self.on);
+        let extent = TileId { level: 0, column, row }.extent(self.base);
         let mut all: Option<Vec<f32>> = None;
         let spans = [self.spans(0, column * EDGE, extent[0]), self.spans(1, row * EDGE, extent[1])];
         for up in &spans[1] {
@@ -93,9 +95,9 @@ impl Laid {
         Ok(all)
     }
 
-    /// The pieces that a span of cells of the other grid lies over, along one axis.
+    /// The pieces that a span of cells of the base grid overlaps, along one axis.
     fn spans(&self, axis: usize, start: usize, length: usize) -> Vec<Span> {
-        let own = start as i64 - self.first[axis]; // where the span begins, in this grid
+        let own = start as i64 - self.first[axis]; // the span's beginning in this grid
         let (low, high) = (own.max(0), (own + length as i64).min(self.extent[axis] as i64));
         let mut spans = Vec::new();
         let mut at = low;
@@ -110,7 +112,7 @@ impl Laid {
     }
 }
 
-/// Grids farther apart than this have nothing in common.
+/// Offsets in cells are limited to this; grids so far apart do not overlap.
 const FAR: i64 = 1 << 40;
 
 /// Part of a piece along one axis.
@@ -123,20 +125,20 @@ struct Span {
     length: usize,
 }
 
-/// Small whole numbers on a grid, in memory; 0 is nothing.
+/// Small labels on a grid, in memory; 0 is no label.
 #[derive(Debug)]
-pub(super) struct Plane {
-    /// Where they are.
-    pub laid: Laid,
+pub(super) struct LabelGrid {
+    /// Their position on the base grid.
+    pub alignment: GridAlignment,
     /// Row by row from the bottom.
     pub values: Vec<i8>,
 }
 
-impl Plane {
-    /// The values that a tile of level 0 shows.
+impl LabelGrid {
+    /// The values of a tile of level 0; NaN where there is no label.
     pub fn tile(&self, at: [usize; 2]) -> Result<Option<Vec<f32>>> {
-        let [width, height] = self.laid.extent;
-        self.laid.tile(at, |[column, row]| {
+        let [width, height] = self.alignment.extent;
+        self.alignment.tile(at, |[column, row]| {
             let (left, bottom) = (column * EDGE, row * EDGE);
             let (right, top) = (width.min(left + EDGE), height.min(bottom + EDGE));
             let lines = (bottom..top).flat_map(|row| &self.values[row * width + left..row * width + right]);
@@ -144,9 +146,9 @@ impl Plane {
         })
     }
 
-    /// The value at a cell of the grid that is looked at.
+    /// The label at a cell of the base grid.
     pub fn at(&self, cell: [usize; 2]) -> i8 {
-        self.laid.cell(cell).map_or(0, |[column, row]| self.values[row * self.laid.extent[0] + column])
+        self.alignment.cell(cell).map_or(0, |[column, row]| self.values[row * self.alignment.extent[0] + column])
     }
 }
 
@@ -159,10 +161,10 @@ mod tests {
     }
 
     /// Each cell's value is what its place says.
-    fn plane(on: &GridSpec, of: &GridSpec) -> Plane {
-        let laid = Laid::of(on, of, "it").expect("it fits");
+    fn plane(on: &GridSpec, of: &GridSpec) -> LabelGrid {
+        let alignment = GridAlignment::of(on, of, "it").expect("it fits");
         let value = |k: usize| ((k % of.width * 7 + k / of.width * 13) % 120 + 1) as i8;
-        Plane { laid, values: (0..of.cells()).map(value).collect() }
+        LabelGrid { alignment, values: (0..of.cells()).map(value).collect() }
     }
 
     #[test]
@@ -171,7 +173,7 @@ mod tests {
         for of in [grid(0.0, 3, 600), grid(0.0, -297, 700), grid(5.0, 10, 20), grid(0.0, 9000, 50), grid(0.0, 3, 90)] {
             let plane = plane(&on, &of);
             for (column, row) in (0..9).map(|k| (k % 3, k / 3)) {
-                let [width, height] = Place { level: 0, column, row }.extent([600, 600]);
+                let [width, height] = TileId { level: 0, column, row }.extent([600, 600]);
                 let tile = plane.tile([column, row]).expect("a tile").unwrap_or(vec![f32::NAN; width * height]);
                 for (k, value) in tile.iter().enumerate() {
                     let at = [column * EDGE + k % width, row * EDGE + k / width];
@@ -183,14 +185,14 @@ mod tests {
     }
 
     #[test]
-    fn cells_fall_on_cells_or_are_said_not_to() {
+    fn cells_coincide_or_are_reported_not_to() {
         let on = grid(0.0, 0, 100);
-        let laid = |of: GridSpec| Laid::of(&on, &of, "it");
-        assert!(laid(on).is_ok_and(|l| l.same() && l.exact));
-        assert!(laid(grid(0.35, 0, 100)).is_ok_and(|l| l.exact && l.first == [7, 7]));
-        assert!(laid(grid(0.36, 0, 100)).is_ok_and(|l| !l.exact && l.first == [7, 7]));
+        let aligned = |of: GridSpec| GridAlignment::of(&on, &of, "it");
+        assert!(aligned(on).is_ok_and(|l| l.is_base() && l.exact));
+        assert!(aligned(grid(0.35, 0, 100)).is_ok_and(|l| l.exact && l.first == [7, 7]));
+        assert!(aligned(grid(0.36, 0, 100)).is_ok_and(|l| !l.exact && l.first == [7, 7]));
         let coarse = GridSpec { resolution: 0.1, ..on };
-        let error = laid(coarse).map_err(|e| e.to_string());
+        let error = aligned(coarse).map_err(|e| e.to_string());
         assert_eq!(
             error,
             Err("it has cells of 0.1 m, the map that it is laid on of 0.05 m: make both with one --resolution".into())

@@ -1,6 +1,6 @@
-//! A map held against the truth: its score, its cells' error levels, the true classes.
+//! A map scored against the truth: its score, the error levels of its cells, and the true classes.
 
-use super::plane::{Laid, Plane};
+use super::alignment::{GridAlignment, LabelGrid};
 use crate::evaluate::score::{LEVELS, NOT_COMPARED, Options, Truth, score};
 use crate::grid::Palette;
 use crate::output::{Stored, read_map};
@@ -9,10 +9,10 @@ use crate::{Error, Result};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Bytes a cell beside the layers: what is compared, and its probabilities while they are counted.
-const CELL: u64 = 40;
+/// Bytes of a cell beside the layers: what is compared, and the probabilities while they are counted.
+const CELL_BYTES: u64 = 40;
 
-/// What each level means.
+/// The meaning of each error level.
 const MEANINGS: [&str; 10] = [
     "0 right (Z1)",
     "1 occupied beside a true wall (Z1)",
@@ -26,25 +26,25 @@ const MEANINGS: [&str; 10] = [
     "9 wall shown empty (Z5, danger)",
 ];
 
-/// What a comparison with the truth leaves.
-pub(super) struct Scored {
-    /// The truth, as it is called.
+/// The score of a map against a truth.
+pub(super) struct ScoredMap {
+    /// The truth's name.
     pub name: String,
-    /// Of each cell its label: 10 less its level, so that the most dangerous is the strongest; 0: not compared.
-    pub levels: Plane,
+    /// Each cell's label, 10 minus its error level, so that a reduction keeps the most dangerous; 0: not compared.
+    pub levels: LabelGrid,
     /// True classes: 1, −1; 0 unknown.
-    pub truth: Plane,
-    /// The numbers, as `echogrid score --json` gives them.
-    pub numbers: Value,
-    /// What a user should know of the truth.
+    pub truth: LabelGrid,
+    /// The score as JSON, as `echogrid score --json` gives it.
+    pub score: Value,
+    /// Notes on the truth for the user.
     pub notes: Vec<String>,
 }
 
-impl Scored {
-    /// Scores a map as `echogrid score` does. All of it is read: that it fits in memory is checked first.
-    pub fn of(stored: &Stored, name: &str, truth: &Path, cap: Option<u64>) -> Result<Scored> {
+impl ScoredMap {
+    /// Scores a map as `echogrid score` does. It reads the whole map, and checks first that it fits in memory.
+    pub fn of(stored: &Stored, name: &str, truth: &Path, cap: Option<u64>) -> Result<ScoredMap> {
         let other = if truth.is_dir() && Shipped::named(truth).is_none() { Stored::open(truth)?.bytes() } else { 0 };
-        let needed = stored.bytes() + other + CELL * stored.grid.cells() as u64;
+        let needed = stored.bytes() + other + CELL_BYTES * stored.grid.cells() as u64;
         let remedy = "look at it without --truth, or map it with smaller --bounds or a coarser --resolution";
         stored.grid.check_memory(needed, cap, remedy)?;
         let mut notes = Vec::new();
@@ -57,13 +57,13 @@ impl Scored {
         let mut numbers = serde_json::to_value(&score).unwrap_or_default();
         numbers["truth"] = json!({"path": truth.display().to_string(), "kind": opened.kind(), "r_max": opened.r_max()});
         let cells = score.cells;
-        let laid = Laid::of(&stored.grid, &cells.grid, "the truth")?;
+        let alignment = GridAlignment::of(&stored.grid, &cells.grid, "the truth")?;
         let label = |level: u8| if level == NOT_COMPARED { 0 } else { 10 - level as i8 };
-        Ok(Scored {
+        Ok(ScoredMap {
             name: super::name_of(truth),
-            levels: Plane { laid, values: cells.levels.into_iter().map(label).collect() },
-            truth: Plane { laid, values: cells.actual },
-            numbers,
+            levels: LabelGrid { alignment, values: cells.levels.into_iter().map(label).collect() },
+            truth: LabelGrid { alignment, values: cells.actual },
+            score: numbers,
             notes,
         })
     }
