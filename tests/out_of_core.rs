@@ -103,7 +103,7 @@ fn on_a_gpu_that_lists_tiles() {
     let all = every_settings();
     let named = |name: &str| all.iter().copied().find(|s| s.0 == name).unwrap();
     let settings = ["certainty", "dempster-shafer", "bayes"].map(named);
-    gpu_too(gpu::Options { staged: Some(true), lists: Some(true), ..gpu::Options::default() }, 4000, &settings);
+    gpu_too(gpu::Options { staged: Some(true), bins_tiles: Some(true), ..gpu::Options::default() }, 4000, &settings);
 }
 
 fn gpu_too(options: gpu::Options, batch: usize, settings: &[(&'static str, Settings)]) {

@@ -65,19 +65,19 @@ struct Tile {
     spare: array<u32, 3>,
 }
 
-struct Near {
+struct ConeTileBounds {
     cone: u32,
     part: u32,
     low: vec2<u32>,
     high: vec2<u32>,
 }
 
-struct Lists {
+struct BinningParams {
     chunk: vec2<u32>,
     size: vec2<u32>,
-    near: u32,
+    cones: u32,
     segments: u32,
-    how: u32,
+    flags: u32,
     pad: u32,
 }
 

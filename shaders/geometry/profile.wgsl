@@ -21,7 +21,7 @@ fn from_one(words: vec4<u32>) -> vec4<f32> {
     return bitcast<vec4<f32>>(words ^ vec4<u32>(ONE_BITS));
 }
 
-// And back.
+// Words of a plane from numbers that start at 1: the inverse of from_one.
 fn to_one(numbers: vec4<f32>) -> vec4<u32> {
     return bitcast<vec4<u32>>(numbers) ^ vec4<u32>(ONE_BITS);
 }

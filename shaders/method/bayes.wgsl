@@ -9,7 +9,7 @@ fn member_row(cone: Cone, v: vec2<i32>) -> Row {
     return cone_row(cone, v);
 }
 
-fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {
+fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, CellStates>) {
     if CONSTANT {
         return;
     }

@@ -8,7 +8,7 @@ const NEARLY: f32 = 4.656613e-10;
 const UNITS: f32 = 9.007199e15;
 
 // The complements of four cells' certainties.
-struct Cells {
+struct CellStates {
     // 1 − Emp.
     open: vec4<f32>,
     // 1 − Occ.
@@ -62,16 +62,16 @@ fn member_row(cone: Cone, v: vec2<i32>) -> Row {
     return cone_row(cone, v);
 }
 
-fn load(at: u32) -> Cells {
-    return Cells(from_one(state[at]), from_one(state[at + 64u]));
+fn load(at: u32) -> CellStates {
+    return CellStates(from_one(state[at]), from_one(state[at + 64u]));
 }
 
-fn store(cells: Cells, at: u32) {
+fn store(cells: CellStates, at: u32) {
     state[at] = to_one(cells.open);
     state[at + 64u] = to_one(cells.clear);
 }
 
-fn weigh_cells(cone: Cone, row: Row, cells: ptr<function, Cells>) -> vec4<f32> {
+fn weigh_cells(cone: Cone, row: Row, cells: ptr<function, CellStates>) -> vec4<f32> {
     let at = polar(cone, row);
     if (frame.mode & FREE) != 0u {
         let open = enhanced((*cells).open, not_emp(cone.profile, at.distance, at.turn));
@@ -81,7 +81,7 @@ fn weigh_cells(cone: Cone, row: Row, cells: ptr<function, Cells>) -> vec4<f32> {
     return select(vec4<f32>(0.0), occupied, row.arc);
 }
 
-fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {
+fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, CellStates>) {
     let evidence = weigh_cells(cone, row, cells);
     if (frame.mode & OCCUPY) == 0u || !any(row.arc) {
         return;
@@ -90,4 +90,4 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
     (*cells).clear = select((*cells).clear, clear, row.arc);
 }
 
-fn settle(cells: ptr<function, Cells>) {}
+fn renormalize(cells: ptr<function, CellStates>) {}

@@ -9,7 +9,7 @@ const LOG_ONE: f32 = 16777216.0;
 override MURPHY: bool = false;
 
 // −Σ ln(1 − e) and −Σ ln(1 − f) of four cells, low and high words.
-struct Cells {
+struct CellStates {
     empty: array<vec4<u32>, 2>,
     full: array<vec4<u32>, 2>,
 }
@@ -32,21 +32,21 @@ fn member_row(cone: Cone, v: vec2<i32>) -> Row {
     return cone_row(cone, v);
 }
 
-fn load(at: u32) -> Cells {
-    return Cells(
+fn load(at: u32) -> CellStates {
+    return CellStates(
         array<vec4<u32>, 2>(state[at], state[at + 64u]),
         array<vec4<u32>, 2>(state[at + 128u], state[at + 192u]),
     );
 }
 
-fn store(cells: Cells, at: u32) {
+fn store(cells: CellStates, at: u32) {
     state[at] = cells.empty[0];
     state[at + 64u] = cells.empty[1];
     state[at + 128u] = cells.full[0];
     state[at + 192u] = cells.full[1];
 }
 
-fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {
+fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, CellStates>) {
     var empty = (*cells).empty;
     var full = (*cells).full;
     if !MURPHY {
@@ -66,4 +66,4 @@ fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells
     (*cells).full = full;
 }
 
-fn settle(cells: ptr<function, Cells>) {}
+fn renormalize(cells: ptr<function, CellStates>) {}

@@ -26,7 +26,7 @@ fn member_row(cone: Cone, v: vec2<i32>) -> Row {
 }
 
 // The update of four cells.
-fn fuse_cells(cone: Cone, weights: vec4<f32>, row: Row, code: vec4<u32>, cells: ptr<function, Cells>) {
+fn fuse_cells(cone: Cone, weights: vec4<f32>, row: Row, code: vec4<u32>, cells: ptr<function, CellStates>) {
     // From ½ on: software adapters add a constant first, wherever it stands.
     var sum = vec4<f32>(0.5);
     if any(row.interior | row.arc) {

@@ -7,7 +7,7 @@ const MOST: f32 = 0.98;
 const MANTISSA: vec4<i32> = vec4<i32>(0x7fffff);
 
 // The products of four cells' likelihoods.
-struct Cells {
+struct CellStates {
     // Π P(s|occupied).
     occupied: vec4<f32>,
     // Π P(s|empty).
@@ -24,17 +24,17 @@ fn likelihood(near: vec4<f32>, arc: vec4<bool>) -> vec4<f32> {
     return min(max(near * part, least), vec4<f32>(MOST));
 }
 
-fn load(at: u32) -> Cells {
-    return Cells(from_one(state[at]), from_one(state[at + 64u]), bitcast<vec4<i32>>(state[at + 128u]));
+fn load(at: u32) -> CellStates {
+    return CellStates(from_one(state[at]), from_one(state[at + 64u]), bitcast<vec4<i32>>(state[at + 128u]));
 }
 
-fn store(cells: Cells, at: u32) {
+fn store(cells: CellStates, at: u32) {
     state[at] = to_one(cells.occupied);
     state[at + 64u] = to_one(cells.empty);
     state[at + 128u] = bitcast<vec4<u32>>(cells.scale);
 }
 
-fn settle(cells: ptr<function, Cells>) {
+fn renormalize(cells: ptr<function, CellStates>) {
     let occupied = bitcast<vec4<i32>>((*cells).occupied);
     let empty = bitcast<vec4<i32>>((*cells).empty);
     let places = vec4<u32>(23u);

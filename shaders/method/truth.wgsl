@@ -3,7 +3,7 @@
 const PLANES: u32 = 2u;
 
 // The two counts that every method keeps are all its state.
-struct Cells {
+struct CellStates {
     none: u32,
 }
 
@@ -11,12 +11,12 @@ fn member_row(cone: Cone, v: vec2<i32>) -> Row {
     return cone_row(cone, v);
 }
 
-fn load(at: u32) -> Cells {
-    return Cells(0u);
+fn load(at: u32) -> CellStates {
+    return CellStates(0u);
 }
 
-fn store(cells: Cells, at: u32) {}
+fn store(cells: CellStates, at: u32) {}
 
-fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, Cells>) {}
+fn fuse_cells(cone: Cone, row: Row, share: vec4<u32>, cells: ptr<function, CellStates>) {}
 
-fn settle(cells: ptr<function, Cells>) {}
+fn renormalize(cells: ptr<function, CellStates>) {}

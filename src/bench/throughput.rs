@@ -10,8 +10,8 @@ use crate::binning::batch::BATCH;
 use crate::binning::scan::Scans;
 use crate::geometry::layout::{Beam, Cone, Entry, Scan, Shapes};
 use crate::kernels::Backend;
-use crate::kernels::ceiling::Ceilings;
 use crate::kernels::dry::Dry;
+use crate::kernels::peak::Peaks;
 use crate::method::settings::{Csm, Settings};
 use crate::method::{Method, Step, Unit, tile_words};
 use crate::pipeline::mapper::{self, Mapper, Work};
@@ -59,8 +59,8 @@ pub struct Measured {
 
 impl Measured {
     /// Holds the figures against what the backend can do at most.
-    pub fn against(mut self, ceilings: Option<Ceilings>) -> Measured {
-        let most = |rate: f64, c: Ceilings| {
+    pub fn against(mut self, ceilings: Option<Peaks>) -> Measured {
+        let most = |rate: f64, c: Peaks| {
             let used = [
                 (f64::from(self.flop) * rate / c.flop, "flop"),
                 (f64::from(self.int) * rate / c.int, "int"),
@@ -128,7 +128,7 @@ fn measure_here(workload: &Workload, method: &dyn Method, backend: &mut dyn Back
         }
     }
     // A backend that lists tiles itself doesn't say what its lists hold.
-    if backend.limits().lists && method.unit() == Unit::Reading {
+    if backend.limits().bins_tiles && method.unit() == Unit::Reading {
         done = listed(workload, method)?;
     }
     // An entry names a cone; or a scan, of which each update takes a beam.

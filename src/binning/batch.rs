@@ -1,12 +1,14 @@
-//! Which readings reach which tile, in log order; `shaders/binning/list/tiles.wgsl` makes the same lists on a GPU.
+//! Bins readings into tiles, in log order; `shaders/binning/list/tiles.wgsl` makes the same lists on a GPU.
 //!
-//! A batch is any number of readings. For every tile it holds the list of the cones that may touch it, with a flag where
-//! the arc may, and one where the tile is interior throughout. Lists may hold a cone too many, never one too few: the
-//! kernels decide each cell exactly.
+//! A batch is any number of readings. Each tile has a list of the cones that may touch it, with one flag where the arc may touch it and
+//! one where the tile is interior throughout. A list may hold a cone too many, never one too few: the kernels decide each cell exactly.
 
+mod cone_tile_bounds;
+mod input;
 mod narrow;
-mod near;
 mod shape;
+
+pub use input::{Batch, ChunkList, ConeInput, Input, ScanInput, UpdateInput};
 
 use crate::binning::snap::{Footprint, region};
 use crate::geometry::layout::*;
@@ -23,70 +25,6 @@ pub const BATCH: usize = 65_536;
 
 /// (Cone, tile) pairs that a batch may come to: they are what its memory goes into.
 pub const PAIRS: usize = 1 << 22;
-
-/// A chunk's share of a batch.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct ChunkList {
-    /// Its place: chunk column, chunk row.
-    pub place: [u32; 2],
-    /// Its tiles that the batch reaches, by slot.
-    pub tiles: Vec<Tile>,
-    /// Their entries, in tile order, each tile's in log order.
-    pub entries: Vec<Entry>,
-    /// Instead of both, for a backend that lists tiles itself, the cones whose boxes meet the chunk, in log order.
-    pub near: Vec<Near>,
-}
-
-impl ChunkList {
-    /// (Cone, tile) pairs: those of the list, or, where the backend lists tiles, those of the boxes.
-    pub fn pairs(&self) -> usize {
-        let tiles = |n: &Near| ((n.high[0] - n.low[0]) * (n.high[1] - n.low[1])) as usize;
-        self.entries.len() + self.near.iter().map(tiles).sum::<usize>()
-    }
-}
-
-/// Readings, binned.
-#[derive(Debug, Clone, Default)]
-pub struct Batch {
-    /// The snapped readings, in log order.
-    pub cones: Vec<Cone>,
-    /// The chunks they reach, row by row.
-    pub chunks: Vec<ChunkList>,
-    /// Where each reading's parts begin; one more than there are readings.
-    pub first_part: Vec<u32>,
-    /// For a method that takes scans those instead of cones, of one chunk, in log order.
-    pub scans: Vec<Scan>,
-    /// Their beams.
-    pub beams: Vec<Beam>,
-    /// The centres of that chunk's columns, then of its rows, µm from the first cell's.
-    pub centres: Vec<i32>,
-    /// For a method that takes updates what each does beside its cone, …
-    pub shapes: Vec<Shapes>,
-    /// … and their points.
-    pub points: Vec<[i32; 2]>,
-}
-
-impl Batch {
-    /// How often a GPU's thread goes round its loops over a tile's list at most: once for each entry, and for each side of a fan or
-    /// line that may meet the tile, and once to leave or to skip each of these loops, in each of the thread's `groups` of four cells.
-    pub fn turns(&self, groups: usize) -> usize {
-        let sides = |entry: &Entry| match self.shapes.get(entry.index()) {
-            Some(shapes) => {
-                let count =
-                    |[from, to]: [u32; 2], bit: u32| 1 + if entry.slot & bit != 0 { (to - from) as usize } else { 0 };
-                let fans = (0..4).map(|k| count(shapes.fans[k], FAN << k)).sum::<usize>();
-                fans + (0..2).map(|k| count(shapes.lines[k], LINES << k)).sum::<usize>()
-            }
-            None => 0,
-        };
-        let tile = |list: &ChunkList, tile: &Tile| {
-            let entries = &list.entries[tile.entries[0] as usize..tile.entries[1] as usize];
-            entries.len() + groups * entries.iter().map(sides).sum::<usize>()
-        };
-        let tiles = |list: &ChunkList| list.tiles.par_iter().map(|t| tile(list, t)).max().unwrap_or(0);
-        self.chunks.iter().map(tiles).max().unwrap_or(0)
-    }
-}
 
 /// How readings are binned.
 #[derive(Debug, Clone, Copy)]
@@ -119,12 +57,17 @@ struct Run {
 }
 
 impl Binning {
-    /// Snaps items, and bins their cones, or, for a backend that `lists` tiles itself, sorts them by chunk; what has no cone is left
+    /// Snaps items and bins their cones, or only sorts them by chunk where the backend `bins_tiles` itself. Items without a cone are left
     /// out. `None`: they come to more than [`PAIRS`], and there are several.
-    pub fn of<T: Sync>(&self, items: &[T], snap: impl Fn(&T) -> Option<Cone> + Sync, lists: bool) -> Option<Batch> {
+    pub fn of<T: Sync>(
+        &self,
+        items: &[T],
+        snap: impl Fn(&T) -> Option<Cone> + Sync,
+        bins_tiles: bool,
+    ) -> Option<Batch> {
         let fits = |pairs: usize| items.len() == 1 || pairs <= PAIRS;
-        if lists {
-            return match self.near(items, &snap) {
+        if bins_tiles {
+            return match self.bound_cones(items, &snap) {
                 Ok(batch) => fits(batch.chunks.iter().map(ChunkList::pairs).sum()).then_some(batch),
                 Err(cones) => self.of(&cones, snapped, false),
             };
@@ -179,7 +122,7 @@ impl Binning {
         }
         first_part.push(before);
         let chunks = places.into_par_iter().map(|([row, column], pairs)| list([column, row], &pairs)).collect();
-        Batch { chunks, cones, first_part, ..Batch::default() }
+        Batch { chunks, input: Input::Cones(ConeInput { cones, first_part }) }
     }
 
     /// What some readings reach.
@@ -335,7 +278,7 @@ pub(crate) fn list(place: [u32; 2], runs: &[(&[Pair], u32)]) -> ChunkList {
         entries[*end as usize] = Entry { slot: entry.slot + before, ..*entry };
         *end += 1;
     }
-    ChunkList { place, tiles, entries, near: Vec::new() }
+    ChunkList { place, tiles, entries, cone_bounds: Vec::new() }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::offered::{Offered, methods};
 use super::{note, say};
 use crate::bench::throughput::{Measured, measure};
 use crate::bench::workload::{Workload, cones, scans, standard, standard_scans};
-use crate::kernels::ceiling::Ceilings;
+use crate::kernels::peak::Peaks;
 use crate::kernels::{Choice, choose, gpu_required};
 use crate::method::{self, REGISTRY, Unit, settings::Settings};
 use crate::support::wrapped::wrapped;
@@ -120,7 +120,7 @@ impl Bench {
                     Err(e) => return Err(e),
                 };
                 if ceilings.is_none() {
-                    ceilings = chosen.backend.ceilings()?;
+                    ceilings = chosen.backend.peaks()?;
                     table.begin(&format!("{}: {}", chosen.backend.name(), chosen.backend.adapter()), ceilings);
                     backends.push(json!({
                         "backend": chosen.backend.name(), "adapter": chosen.backend.adapter(), "ceilings": ceilings,
@@ -162,7 +162,7 @@ impl Table {
     }
 
     /// A backend's title, what it can do at most, and the columns' heads.
-    fn begin(&mut self, title: &str, ceilings: Option<Ceilings>) {
+    fn begin(&mut self, title: &str, ceilings: Option<Peaks>) {
         if self.silent {
             return;
         }

@@ -4,9 +4,8 @@ use super::common::item;
 use super::say;
 use crate::Result;
 use crate::geometry::layout;
-use crate::kernels::gpu::adapter;
-use crate::kernels::gpu::vulkan::Drivers;
-use crate::kernels::{Backend, cpu::Cpu};
+use crate::kernels::vulkan::Drivers;
+use crate::kernels::{Backend, adapter, cpu::Cpu};
 use crate::method::{self, REGISTRY, settings::Settings};
 use crate::support::memory::{available, show};
 

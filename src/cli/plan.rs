@@ -307,9 +307,9 @@ fn names(steps: &[Step]) -> String {
         Step::Pass(method::Pass::Count, _) => "count",
         Step::Pass(method::Pass::Fuse, _) => "fuse",
         Step::Sum => "sum",
-        Step::Share => "share",
-        Step::Hand => "hand over",
-        Step::Tally => "tally",
+        Step::NormalizeByCount => "share",
+        Step::ReadBack => "hand over",
+        Step::AccumulateCounts => "tally",
     };
     steps.iter().map(name).collect::<Vec<_>>().join(", then ")
 }

@@ -58,7 +58,7 @@ impl<S: Simd> Split<S> {
 
 /// A tile as a cone sees it: the cone's products with its cells, so that a row costs a sum each.
 #[derive(Clone, Copy)]
-pub struct Sight<S: Simd> {
+pub struct EdgeFunctions<S: Simd> {
     simd: S,
     v: [i32; 2],
     /// cross(left, v), cross(right, v), cross(axis, v), dot(axis, v), v·v.
@@ -73,14 +73,14 @@ pub struct Sight<S: Simd> {
     arcs: bool,
 }
 
-impl<S: Simd> Sight<S> {
+impl<S: Simd> EdgeFunctions<S> {
     /// A tile's cells from the sensor; `v` is the first one's centre. Without `arcs` the cone ends where its arc begins.
     #[inline(always)]
     pub fn of(simd: S, cone: &Cone, v: [i32; 2], arcs: bool) -> Self {
         let steps = i32x16::load_array(simd, STEPS);
         let (x, y) = (steps + v[0], steps + v[1]);
         let (inner, outer) = (cone.reach[0].wrapping_mul(cone.reach[0]), cone.reach[1].wrapping_mul(cone.reach[1]));
-        Sight {
+        EdgeFunctions {
             simd,
             v,
             left: Split::of(x * -cone.left[1], y * cone.left[0]),

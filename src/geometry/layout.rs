@@ -15,7 +15,7 @@ pub const TILE: usize = 16;
 pub const TILE_CELLS: usize = TILE * TILE;
 /// Tiles along a chunk's edge: a chunk of 1024 × 1024 cells is the unit of residence.
 pub const CHUNK: usize = 64;
-/// Tiles along a block's edge: where a GPU lists tiles itself, cones are sorted into blocks first.
+/// Tiles along a block's edge: where a GPU bins cones into tiles itself, they are sorted into blocks first.
 pub const BLOCK: usize = 4;
 /// Blocks along a chunk's edge.
 pub const BLOCKS: usize = CHUNK / BLOCK;
@@ -63,9 +63,9 @@ pub const FREE_LIMIT: u32 = 1;
 /// Update flag: what the routine part occupies is limited by the fourth fan.
 pub const ARC_LIMIT: u32 = 2;
 
-/// How tiles are listed: cones reach the cells on their axis.
+/// Binning flag: cones reach the cells on their axis only.
 pub const AXIS: u32 = 1;
-/// How tiles are listed: a missing echo's arc is looked at, too.
+/// Binning flag: the arc of a reading without an echo is included.
 pub const ARCS: u32 = 2;
 
 /// Frame mode: the pass frees (updates emptiness).
@@ -129,10 +129,10 @@ pub struct Tile {
     pub spare: [u32; 3],
 }
 
-/// A cone that may reach a chunk, for a GPU that lists tiles itself.
+/// The box of tiles of a chunk that a cone may reach, for a GPU that bins cones into tiles itself.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
-pub struct Near {
+pub struct ConeTileBounds {
     /// Its index in the batch.
     pub cone: u32,
     /// Where the part of the first tile of its box is; the others' follow, row by row.
@@ -143,20 +143,20 @@ pub struct Near {
     pub high: [u32; 2],
 }
 
-/// How a GPU lists a chunk's tiles.
+/// What the kernels that bin a chunk's cones into its tiles need to know.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
-pub struct Lists {
+pub struct BinningParams {
     /// The column and row of the chunk's first tile.
     pub chunk: [u32; 2],
     /// Columns and rows of the grid, cells.
     pub size: [u32; 2],
     /// How many cones may reach the chunk.
-    pub near: u32,
+    pub cones: u32,
     /// How many [`SEGMENT`]s of them there are.
     pub segments: u32,
     /// [`AXIS`], [`ARCS`].
-    pub how: u32,
+    pub flags: u32,
     /// Spare.
     pub pad: u32,
 }

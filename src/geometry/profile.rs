@@ -31,7 +31,7 @@ pub fn from_one<S: Simd>(words: u32x16<S>) -> f32x16<S> {
     (words ^ ONE_BITS).bitcast()
 }
 
-/// And back.
+/// Words of a plane from numbers that start at 1: the inverse of [`from_one`].
 #[inline(always)]
 pub fn to_one<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
     numbers.bitcast::<u32x16<S>>() ^ ONE_BITS

@@ -1,8 +1,7 @@
 //! Which backend a run takes, and why.
 
-use super::gpu::vulkan::Drivers;
-use super::gpu::{self, Gpu, adapter};
-use super::{Backend, cpu::Cpu};
+use super::vulkan::Drivers;
+use super::{Backend, adapter, cpu::Cpu};
 use crate::method::Method;
 use crate::{Error, Result};
 
@@ -31,20 +30,19 @@ pub fn gpu_required() -> bool {
     std::env::var_os("ECHOGRID_REQUIRE_GPU").is_some_and(|v| v == "1")
 }
 
-/// Opens the backend; `threads` are the CPU's, 0: one a core.
+/// Opens the backend. `threads` are those of the CPU backend, 0: one for each core.
 ///
 /// # Errors
 /// [`Error::NoAdapter`] where an adapter is demanded and none will do.
 pub fn choose(choice: Choice, method: &dyn Method, threads: usize) -> Result<Chosen> {
     let cpu = |why: String| -> Result<Chosen> { Ok(Chosen { backend: Box::new(Cpu::new(threads)?), why }) };
-    let open = |hardware: bool| Gpu::new(&gpu::Options { hardware, ..Default::default() });
     match (choice, method.cpu_only()) {
         (Choice::Cpu, _) => cpu(String::new()),
         (Choice::Gpu, Some(why)) => Err(Error::NoAdapter(format!("{why}: use --backend cpu"))),
         (Choice::Auto, Some(why)) => cpu(why.into()),
-        (Choice::Gpu, None) => Ok(Chosen { backend: Box::new(open(false)?), why: String::new() }),
-        (Choice::Auto, None) => match open(true) {
-            Ok(gpu) => Ok(Chosen { backend: Box::new(gpu), why: "the best hardware adapter".into() }),
+        (Choice::Gpu, None) => Ok(Chosen { backend: open_gpu(false)?, why: String::new() }),
+        (Choice::Auto, None) => match open_gpu(true) {
+            Ok(backend) => Ok(Chosen { backend, why: "the best hardware adapter".into() }),
             Err(_) => {
                 let software = adapter::list().first().map(|a| format!(", only {}", a.name)).unwrap_or_default();
                 let broken = Drivers::look().broken().next().map(|m| format!(" ({m})")).unwrap_or_default();
@@ -52,4 +50,17 @@ pub fn choose(choice: Choice, method: &dyn Method, threads: usize) -> Result<Cho
             }
         },
     }
+}
+
+/// Opens the GPU backend; with `hardware` a software adapter is refused.
+#[cfg(feature = "gpu")]
+fn open_gpu(hardware: bool) -> Result<Box<dyn Backend>> {
+    use super::gpu::{Gpu, Options};
+    Ok(Box::new(Gpu::new(&Options { hardware, ..Options::default() })?))
+}
+
+/// The same of a program that has no GPU backend.
+#[cfg(not(feature = "gpu"))]
+fn open_gpu(_hardware: bool) -> Result<Box<dyn Backend>> {
+    Err(Error::NoAdapter("this echogrid is built without its gpu feature: use --backend cpu".into()))
 }

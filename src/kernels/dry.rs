@@ -1,25 +1,25 @@
-//! A backend that only counts: what a run would be, for `plan`.
+//! A backend that computes nothing and counts the work, for `plan`.
 
-use super::{Backend, Chunks, Limits, Shares};
+use super::{Backend, ChunkStates, Limits, Shares};
 use crate::Result;
 use crate::binning::batch::Batch;
 use crate::geometry::layout::Frame;
 use crate::method::{Method, Step};
 use std::collections::BTreeMap;
 
-/// What one chunk would get.
+/// The work in one chunk.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Load {
     /// (Cone, tile) pairs.
     pub entries: u64,
-    /// Tiles reached, counted anew in each batch.
+    /// Tiles reached, added up over the batches.
     pub tiles: u64,
 }
 
-/// Counts batches' loads, by chunk row and column.
+/// Counts the work of batches.
 #[derive(Debug, Default)]
 pub struct Dry {
-    /// The chunks that readings reach.
+    /// The work in each chunk that readings reach, by chunk row and column.
     pub chunks: BTreeMap<[u32; 2], Load>,
 }
 
@@ -33,7 +33,13 @@ impl Backend for Dry {
     }
 
     fn limits(&self) -> Limits {
-        Limits { readings: 1 << 24, entries: usize::MAX, parts: usize::MAX, turns: usize::MAX, lists: false }
+        Limits {
+            readings: 1 << 24,
+            entries: usize::MAX,
+            parts: usize::MAX,
+            max_loop_iterations: usize::MAX,
+            bins_tiles: false,
+        }
     }
 
     fn apply(&mut self, _: &dyn Method, _: Frame, batch: &Batch, _: &[Step], _: &mut Shares) -> Result<()> {
@@ -49,7 +55,7 @@ impl Backend for Dry {
         Ok(None)
     }
 
-    fn finish(&mut self, _: &dyn Method) -> Result<Chunks> {
-        Ok(Chunks::new())
+    fn finish(&mut self, _: &dyn Method) -> Result<ChunkStates> {
+        Ok(ChunkStates::new())
     }
 }

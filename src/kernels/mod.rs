@@ -1,26 +1,34 @@
-//! The backends: they run a method's passes over a batch, chunk by chunk.
+//! The backends run a method's passes over a batch, chunk by chunk, and keep the cells. What depends on wgpu is in `gpu`, behind the
+//! cargo feature of that name; the rest compiles without it.
 
-pub mod ceiling;
+pub mod adapter;
+pub mod bindings;
 mod choose;
 pub mod cpu;
 pub mod dry;
+mod error;
+#[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod peak;
+pub mod shader;
+pub mod vulkan;
 
 pub use choose::{Choice, Chosen, choose, gpu_required};
+pub use error::KernelError;
 
 use crate::Result;
 use crate::binning::batch::Batch;
 use crate::geometry::layout::{Cone, Frame, NO_ECHO};
 use crate::log::reading::Outcome;
 use crate::method::{Method, Step};
+use crate::method::driver::WrongInput;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// The cells of the chunks that readings reached: words, tile by tile, plane by plane, row by row; by chunk row and column.
-pub type Chunks = BTreeMap<[u32; 2], Vec<u32>>;
+/// The state of every chunk that a batch reached, by chunk row and column: words, tile by tile, plane by plane, row by row.
+pub type ChunkStates = BTreeMap<[u32; 2], Vec<u32>>;
 
-/// What a reading's steps have found for it so far, for each cone of a batch: the bits of a sum, a count, or what
-/// [`Method::share`] made of it.
+/// What the steps so far found for each cone of a batch: the bits of a sum, a count, or what [`Method::share`] made of the count.
 pub type Shares = Vec<[u32; 4]>;
 
 /// The most that a batch may hold.
@@ -32,14 +40,14 @@ pub struct Limits {
     pub entries: usize,
     /// Parts of sums: (tile, arc) pairs.
     pub parts: usize,
-    /// How often a thread may go round its loops ([`Batch::turns`]): Mesa's software adapter ends a loop without a word
-    /// once all of a thread's have gone round 65535 times.
-    pub turns: usize,
-    /// Whether the backend lists the tiles of a batch's cones itself ([`crate::binning::batch::Binning::near`]).
-    pub lists: bool,
+    /// Iterations of a thread's loops ([`Batch::max_loop_iterations`]): Mesa's software adapter silently ends a loop once all loops of a
+    /// thread have had 65535.
+    pub max_loop_iterations: usize,
+    /// Whether the backend bins a batch's cones into tiles itself ([`crate::binning::batch::Binning::bound_cones`]).
+    pub bins_tiles: bool,
 }
 
-/// Something that runs a method's steps over batches and keeps the cells.
+/// Runs a method's steps over batches and keeps the cells.
 pub trait Backend: Send {
     /// `cpu` or `gpu`.
     fn name(&self) -> &'static str;
@@ -47,11 +55,14 @@ pub trait Backend: Send {
     /// The adapter or processor.
     fn adapter(&self) -> String;
 
-    /// What a batch may come to; more, and it is split.
+    /// The largest batch that it takes.
     fn limits(&self) -> Limits;
 
-    /// Runs the steps over a batch, in order. `shares`, one a cone or empty for none, is where they start from; only
-    /// [`Step::Hand`] and [`Step::Tally`] change it.
+    /// Runs the steps over a batch, in order, and starts from `shares`: one for each cone, or empty for zeros. Only [`Step::ReadBack`]
+    /// and [`Step::AccumulateCounts`] change `shares`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Kernel`] where a pass can't run; what the adapter reports.
     fn apply(
         &mut self,
         method: &dyn Method,
@@ -61,48 +72,54 @@ pub trait Backend: Send {
         shares: &mut Shares,
     ) -> Result<()>;
 
-    /// What it can do at most, measured now; `None` where there is nothing to measure.
-    fn ceilings(&mut self) -> Result<Option<ceiling::Ceilings>> {
+    /// Measures the processor's peak rates; `None` where there is no processor.
+    fn peaks(&mut self) -> Result<Option<peak::Peaks>> {
         Ok(None)
     }
 
-    /// From here on each pass is timed, which may slow down what lies between them.
+    /// Starts to time each pass. This may slow down what lies between the passes.
     fn time_passes(&mut self) {}
 
-    /// Ends that, and says what each kind of pass took in all, seconds, by the processor's own clock; nothing where it has none.
+    /// Stops the timing and returns the total of each kind of pass, seconds, by the processor's own clock; empty where it has none.
     fn pass_times(&mut self) -> Vec<(&'static str, f64)> {
         Vec::new()
     }
 
-    /// Returns when all that was applied is done.
+    /// Waits until all batches so far are done.
     fn wait(&mut self) -> Result<()> {
         Ok(())
     }
 
-    /// Hands over the cells of the chunk in this row and column, and forgets them; `None`: nothing reached it.
+    /// Moves the cells of the chunk in this row and column out of the backend; `None` where no batch reached it.
     fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>>;
 
-    /// Whether it has a use for [`Backend::spare`].
-    fn reuses(&self) -> bool {
+    /// Whether [`Backend::recycle`] saves anything.
+    fn recycles_buffers(&self) -> bool {
         false
     }
 
-    /// Takes the memory of a chunk that was handed over, zeros again, for another.
-    fn spare(&mut self, _zeros: Vec<u32>) {}
+    /// Takes back a chunk's memory, filled with zeros, for a later chunk.
+    fn recycle(&mut self, _zeros: Vec<u32>) {}
 
-    /// Hands over all cells and forgets them.
-    fn finish(&mut self, method: &dyn Method) -> Result<Chunks>;
+    /// Moves all cells out of the backend.
+    fn finish(&mut self, method: &dyn Method) -> Result<ChunkStates>;
 }
 
-/// Each reading's share from its count of arc cells.
-pub fn shares(method: &dyn Method, counts: impl Iterator<Item = u32>, cones: &[Cone]) -> Shares {
+/// Makes each reading's share from its count of arc cells.
+pub fn normalize_by_count(method: &dyn Method, counts: impl Iterator<Item = u32>, cones: &[Cone]) -> Shares {
     let outcome = |cone: &Cone| if cone.flags & NO_ECHO != 0 { Outcome::NoEcho } else { Outcome::Hit };
     let counts: Vec<u32> = counts.collect();
     counts.par_iter().with_min_len(256).zip(cones).map(|(count, cone)| method.share(*count, outcome(cone))).collect()
 }
 
-/// Adds counts to those in the shares.
-fn tally(shares: &mut Shares, counts: impl Iterator<Item = u32>, cones: usize) {
+/// Fails where a batch is not of the kind that the method takes.
+fn check_input(method: &dyn Method, batch: &Batch) -> std::result::Result<(), KernelError> {
+    let (takes, given) = (method.unit().name(), batch.input.name());
+    if takes == given { Ok(()) } else { Err(WrongInput { takes, given }.into()) }
+}
+
+/// Adds the readings' counts of arc cells to the first number of their shares.
+fn accumulate_counts(shares: &mut Shares, counts: impl Iterator<Item = u32>, cones: usize) {
     shares.resize(cones, [0; 4]);
     shares.iter_mut().zip(counts).for_each(|(share, count)| share[0] += count);
 }

@@ -10,11 +10,11 @@ use crate::binning::snap::Snapped;
 use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::geometry::profile::murphy;
 use crate::grid::Class;
-use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
+use crate::method::driver::{Job, Kernel, Plane, Reached, WrongInput, walk};
 use crate::sensor::Sensor;
 use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
-use odds::Cells;
+use odds::CellStates;
 
 /// The registry's line.
 pub const ENTRY: Entry = Entry {
@@ -27,7 +27,7 @@ pub const ENTRY: Entry = Entry {
         include_str!("../../shaders/method/bayes.wgsl")
     ),
     cost: Cost { flop: 23, int: 22 },
-    groups: 8,
+    vec4s_per_thread: 8,
     make: |settings| match settings {
         Settings::Bayes(b) => Some(Box::new(b)),
         _ => None,
@@ -38,7 +38,7 @@ pub const ENTRY: Entry = Entry {
 const LEAST: f64 = 0.02;
 
 impl Kernel for Bayes {
-    type Cells<S: Simd> = Cells<S>;
+    type CellStates<S: Simd> = CellStates<S>;
 
     #[inline(always)]
     fn polar(&self) -> bool {
@@ -46,17 +46,24 @@ impl Kernel for Bayes {
     }
 
     #[inline(always)]
-    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Cells<S> {
+    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> CellStates<S> {
         odds::load(simd, planes, row)
     }
 
     #[inline(always)]
-    fn store<S: Simd>(cells: Cells<S>, planes: &mut [Plane], row: usize) {
+    fn store<S: Simd>(cells: CellStates<S>, planes: &mut [Plane], row: usize) {
         odds::store(cells, planes, row);
     }
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, _: &[u32; 4], cells: &mut Cells<S>) {
+    fn fuse_cells<S: Simd>(
+        &self,
+        frame: &Frame,
+        cone: &Cone,
+        row: &Reached<S>,
+        _: &[u32; 4],
+        cells: &mut CellStates<S>,
+    ) {
         if self.likelihood() == Likelihood::Constant {
             return;
         }
@@ -71,8 +78,8 @@ impl Kernel for Bayes {
     }
 
     #[inline(always)]
-    fn settle<S: Simd>(&self, cells: &mut Cells<S>) {
-        odds::settle(cells);
+    fn renormalize<S: Simd>(&self, cells: &mut CellStates<S>) {
+        odds::renormalize(cells);
     }
 }
 
@@ -123,7 +130,7 @@ impl Method for Bayes {
         odds::combined(layers)
     }
 
-    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
-        walk(self, pass, job, state);
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+        walk(self, pass, job, state)
     }
 }

@@ -14,7 +14,7 @@ use crate::binning::snap::Snapped;
 use crate::geometry::layout::{COUNT, Cone, FREE, Frame, OCCUPY};
 use crate::geometry::profile::{ONE_BITS, from_one, to_one};
 use crate::grid::{Class, Scale};
-use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
+use crate::method::driver::{Job, Kernel, Plane, Reached, WrongInput, walk};
 use crate::sensor::Sensor;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, u32x16};
@@ -26,7 +26,7 @@ pub const ENTRY: Entry = Entry {
     about: "certainties of empty and of occupied, the occupied of each reading cancelled and normalised over its arc",
     wgsl: include_str!("../../shaders/method/certainty.wgsl"),
     cost: Cost { flop: 65, int: 44 },
-    groups: 4,
+    vec4s_per_thread: 4,
     make: |settings| match settings {
         Settings::Certainty(c) => Some(Box::new(c)),
         _ => None,
@@ -40,7 +40,7 @@ const UNITS: f32 = 9.007_199e15;
 
 /// The complements of a row's certainties.
 #[derive(Debug, Clone, Copy)]
-pub struct Cells<S: Simd> {
+pub struct CellStates<S: Simd> {
     /// 1 − Emp.
     open: f32x16<S>,
     /// 1 − Occ.
@@ -109,7 +109,7 @@ fn not_normalised<S: Simd>(evidence: f32x16<S>, sum: f32) -> f32x16<S> {
 }
 
 impl Kernel for Certainty {
-    type Cells<S: Simd> = Cells<S>;
+    type CellStates<S: Simd> = CellStates<S>;
 
     #[inline(always)]
     fn polar(&self) -> bool {
@@ -117,21 +117,27 @@ impl Kernel for Certainty {
     }
 
     #[inline(always)]
-    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Cells<S> {
-        Cells {
+    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> CellStates<S> {
+        CellStates {
             open: from_one(u32x16::load_array(simd, planes[0][row])),
             clear: from_one(u32x16::load_array(simd, planes[1][row])),
         }
     }
 
     #[inline(always)]
-    fn store<S: Simd>(cells: Cells<S>, planes: &mut [Plane], row: usize) {
+    fn store<S: Simd>(cells: CellStates<S>, planes: &mut [Plane], row: usize) {
         to_one(cells.open).store_array(&mut planes[0][row]);
         to_one(cells.clear).store_array(&mut planes[1][row]);
     }
 
     #[inline(always)]
-    fn weigh<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, cells: &mut Cells<S>) -> f32x16<S> {
+    fn weigh_cells<S: Simd>(
+        &self,
+        frame: &Frame,
+        cone: &Cone,
+        row: &Reached<S>,
+        cells: &mut CellStates<S>,
+    ) -> f32x16<S> {
         let (d, turn) = (row.distance, row.turn);
         if frame.mode & FREE != 0 {
             let open = enhanced(cells.open, not_emp(cone.profile, d, turn));
@@ -142,8 +148,15 @@ impl Kernel for Certainty {
     }
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, share: &[u32; 4], cells: &mut Cells<S>) {
-        let evidence = self.weigh(frame, cone, row, cells);
+    fn fuse_cells<S: Simd>(
+        &self,
+        frame: &Frame,
+        cone: &Cone,
+        row: &Reached<S>,
+        share: &[u32; 4],
+        cells: &mut CellStates<S>,
+    ) {
+        let evidence = self.weigh_cells(frame, cone, row, cells);
         if frame.mode & OCCUPY == 0 || !row.arc.any_true() {
             return;
         }
@@ -175,9 +188,9 @@ impl Method for Certainty {
 
     fn rounds(&self) -> Option<Rounds> {
         // Emptiness never depends on occupancy: the sums of every reading come first, chunk by chunk.
-        const WEIGH: Steps = &[Step::Pass(Pass::Weigh, FREE), Step::Sum, Step::Hand, Step::Pass(Pass::Fuse, FREE)];
+        const WEIGH: Steps = &[Step::Pass(Pass::Weigh, FREE), Step::Sum, Step::ReadBack, Step::Pass(Pass::Fuse, FREE)];
         const FREE_FIRST: Steps = &[Step::Pass(Pass::Fuse, FREE)];
-        const THEN_WEIGH: Steps = &[Step::Pass(Pass::Weigh, 0), Step::Sum, Step::Hand];
+        const THEN_WEIGH: Steps = &[Step::Pass(Pass::Weigh, 0), Step::Sum, Step::ReadBack];
         Some(match self.order {
             Order::Sequential => &[&[WEIGH], &[&[Step::Pass(Pass::Fuse, FREE | OCCUPY | COUNT)]]],
             Order::Batch => &[
@@ -214,7 +227,7 @@ impl Method for Certainty {
         layers[2]
     }
 
-    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
-        walk(self, pass, job, state);
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+        walk(self, pass, job, state)
     }
 }

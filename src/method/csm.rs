@@ -92,7 +92,7 @@ fn add(planes: &mut [Plane], plane: usize, line: usize, values: &[u32; TILE]) {
 
 /// The same of f32; a 0 leaves the bits as they are.
 #[inline(always)]
-fn add_floats(planes: &mut [Plane], plane: usize, line: usize, values: &[f32; TILE]) {
+fn add_float(planes: &mut [Plane], plane: usize, line: usize, values: &[f32; TILE]) {
     let words = &mut planes[plane][line];
     for k in 0..TILE {
         words[k] = (f32::from_bits(words[k]) + values[k]).to_bits();
@@ -156,19 +156,25 @@ fn free(
     line: usize,
     touched: &mut [u32; TILE],
 ) {
-    let reach = f64::from(frame.limits[1]) * f64::from(frame.limits[1]);
+    let reach = f64::from(frame.limits[1]);
     let (mut gains, mut near) = ([0f32; TILE], [0u32; TILE]);
     for k in 0..TILE {
         let (p, o) = (sides.across[k] as f32 * (1.0 / FINE as f32), offset[k] as f32);
         let whole = (sides.across[k] / FINE).floor();
         let frees = sides.across[k] < FAR;
-        near[k] = u32::from(frees & (whole * whole + offset[k] * offset[k] < reach));
+        near[k] = u32::from(frees & touches(whole, offset[k], reach));
         let gain = kernel(frame, (p * p + o * o).sqrt());
         gains[k] = if frees { gain } else { 0.0 };
         touched[k] |= near[k];
     }
-    add_floats(planes, 3, line, &gains);
+    add_float(planes, 3, line, &gains);
     add(planes, 0, line, &near);
+}
+
+/// Whether the kernel at this offset, µm, is more than 1e-6: within its reach.
+#[inline(always)]
+fn touches(x: f64, y: f64, reach: f64) -> bool {
+    x * x + y * y < reach * reach
 }
 
 #[inline(always)]
@@ -187,7 +193,7 @@ fn continuous(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, plane
         let (p, q) = (x as f32, y as f32);
         let gain = kernel(frame, (p * p + q * q).sqrt());
         gains[k] = if hits { gain } else { 0.0 };
-        near[k] = u32::from(hits & (x * x + y * y < reach * reach));
+        near[k] = u32::from(hits & touches(x, y, reach));
         let across = ((unit[0] * row.y - unit[1] * row.x[k]).abs() * (FINE / length)).floor();
         let frees = takes & (across < l * FINE) & !(projected & (along > range * length));
         sides.across[k] = if frees { across } else { FAR };
@@ -195,7 +201,7 @@ fn continuous(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, plane
         touched[k] = near[k];
     }
     if label > 0 {
-        add_floats(planes, 3 + label as usize, line, &gains);
+        add_float(planes, 3 + label as usize, line, &gains);
         add(planes, 1, line, &near);
     }
     match csm.free {

@@ -9,8 +9,8 @@ use crate::binning::snap::Snapped;
 use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::geometry::profile::{log, murphy};
 use crate::grid::{Class, Scale};
+use crate::method::driver::{Job, Kernel, Plane, Reached, WrongInput, walk};
 use crate::log::reading::Outcome;
-use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
 use crate::sensor::Sensor;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
@@ -22,7 +22,7 @@ pub const ENTRY: Entry = Entry {
     about: "masses of empty, full and unknown, and their accumulated conflict",
     wgsl: include_str!("../../shaders/method/dempster_shafer.wgsl"),
     cost: Cost { flop: 0, int: 52 },
-    groups: 8,
+    vec4s_per_thread: 8,
     make: |settings| match settings {
         Settings::DempsterShafer(d) => Some(Box::new(d)),
         _ => None,
@@ -38,7 +38,7 @@ const TIE: f64 = 1e-6;
 
 /// A row's sums: −Σ ln(1 − e) and −Σ ln(1 − f), low and high words.
 #[derive(Debug, Clone, Copy)]
-pub struct Cells<S: Simd> {
+pub struct CellStates<S: Simd> {
     empty: [u32x16<S>; 2],
     full: [u32x16<S>; 2],
 }
@@ -72,7 +72,7 @@ const LAYERS: &[LayerSpec] = &[
 ];
 
 impl Kernel for DempsterShafer {
-    type Cells<S: Simd> = Cells<S>;
+    type CellStates<S: Simd> = CellStates<S>;
 
     #[inline(always)]
     fn polar(&self) -> bool {
@@ -80,13 +80,13 @@ impl Kernel for DempsterShafer {
     }
 
     #[inline(always)]
-    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Cells<S> {
+    fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> CellStates<S> {
         let empty = [u32x16::load_array(simd, planes[0][row]), u32x16::load_array(simd, planes[1][row])];
-        Cells { empty, full: [u32x16::load_array(simd, planes[2][row]), u32x16::load_array(simd, planes[3][row])] }
+        CellStates { empty, full: [u32x16::load_array(simd, planes[2][row]), u32x16::load_array(simd, planes[3][row])] }
     }
 
     #[inline(always)]
-    fn store<S: Simd>(cells: Cells<S>, planes: &mut [Plane], row: usize) {
+    fn store<S: Simd>(cells: CellStates<S>, planes: &mut [Plane], row: usize) {
         cells.empty[0].store_array(&mut planes[0][row]);
         cells.empty[1].store_array(&mut planes[1][row]);
         cells.full[0].store_array(&mut planes[2][row]);
@@ -94,7 +94,14 @@ impl Kernel for DempsterShafer {
     }
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, frame: &Frame, cone: &Cone, row: &Reached<S>, share: &[u32; 4], cells: &mut Cells<S>) {
+    fn fuse_cells<S: Simd>(
+        &self,
+        frame: &Frame,
+        cone: &Cone,
+        row: &Reached<S>,
+        share: &[u32; 4],
+        cells: &mut CellStates<S>,
+    ) {
         if self.model == MassModel::Pagac {
             let simd = row.distance.token();
             add(&mut cells.empty, [u32x16::splat(simd, share[0]), u32x16::splat(simd, share[1])], row.interior);
@@ -123,13 +130,13 @@ impl Method for DempsterShafer {
 
     fn sweeps(&self) -> &'static [&'static [Step]] {
         match self.model {
-            MassModel::Pagac => &[&[Step::Pass(Pass::Count, 0), Step::Share, Step::Pass(Pass::Fuse, COUNT)]],
+            MassModel::Pagac => &[&[Step::Pass(Pass::Count, 0), Step::NormalizeByCount, Step::Pass(Pass::Fuse, COUNT)]],
             MassModel::Murphy => &[&[Step::Pass(Pass::Fuse, COUNT)]],
         }
     }
 
     fn rounds(&self) -> Option<Rounds> {
-        const COUNTED: Steps = &[Step::Pass(Pass::Count, 0), Step::Tally];
+        const COUNTED: Steps = &[Step::Pass(Pass::Count, 0), Step::AccumulateCounts];
         const FUSE: Steps = &[Step::Pass(Pass::Fuse, COUNT)];
         Some(match self.model {
             MassModel::Pagac => &[&[COUNTED], &[FUSE]],
@@ -191,7 +198,7 @@ impl Method for DempsterShafer {
         layers[1] - layers[0]
     }
 
-    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
-        walk(self, pass, job, state);
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+        walk(self, pass, job, state)
     }
 }

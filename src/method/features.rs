@@ -3,14 +3,14 @@
 //! A cell keeps a pair of products, as bayes does, and a sum of marks of what said something of it. P(occupied) is ½ and what
 //! each source adds to it, so that a source that says nothing adds nothing.
 
-use super::odds::{self, Cells, MOST, likelihood};
+use super::odds::{self, CellStates, MOST, likelihood};
 use super::settings::{Features, Settings};
 use super::{Cost, Entry, LayerSpec, Method, Pass, Step, Unit};
 use crate::binning::snap::Snapped;
 use crate::geometry::layout::{COUNT, Cone, Frame, Shapes};
 use crate::geometry::profile::murphy;
 use crate::grid::Class;
-use crate::method::driver::{Job, walk_updates};
+use crate::method::driver::{Job, WrongInput, walk_updates};
 use crate::sensor::Sensor;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
@@ -27,7 +27,7 @@ pub const ENTRY: Entry = Entry {
     ),
     // Of a cell of a routine part's cone; what fans and lines cost depends on how many there are.
     cost: Cost { flop: 28, int: 32 },
-    groups: 8,
+    vec4s_per_thread: 8,
     make: |settings| match settings {
         Settings::Features(f) => Some(Box::new(f)),
         _ => None,
@@ -42,9 +42,9 @@ pub const OCCUPIED: u32 = 1;
 /// The same: the first part frees it.
 pub const FREED: u32 = 2;
 
-/// Who says what of a row's cells: the two parts, the routine part.
+/// What the three sources of an update (its two parts, its routine part) do to a row of cells.
 #[derive(Debug, Clone, Copy)]
-pub struct Said<S: Simd> {
+pub struct Contributions<S: Simd> {
     /// Each occupies these.
     pub occupied: [mask32x16<S>; 3],
     /// Each frees these.
@@ -74,10 +74,10 @@ pub fn fuse_cells<S: Simd, const ROUTINE: bool>(
     frame: &Frame,
     cone: &Cone,
     shapes: &Shapes,
-    said: &Said<S>,
-    cells: &mut Cells<S>,
+    contributions: &Contributions<S>,
+    cells: &mut CellStates<S>,
 ) {
-    let Said { occupied, freed, polar: [distance, turn] } = *said;
+    let Contributions { occupied, freed, polar: [distance, turn] } = *contributions;
     let [first, second, weight, _] = shapes.weights;
     let splat = |x: f32| f32x16::splat(simd, x);
     // From ½ on: software adapters add a constant first, wherever it stands.
@@ -138,7 +138,7 @@ impl Method for Features {
         odds::combined(layers)
     }
 
-    fn run(&self, _: Pass, job: &Job, state: &mut [u32]) {
-        walk_updates(job, state);
+    fn run(&self, _: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+        walk_updates(job, state)
     }
 }

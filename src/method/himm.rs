@@ -10,7 +10,7 @@ use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step};
 use crate::binning::snap::Footprint;
 use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::grid::{Class, Scale};
-use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
+use crate::method::driver::{Job, Kernel, Plane, Reached, WrongInput, walk};
 use fearless_simd::prelude::*;
 use fearless_simd::u32x16;
 
@@ -21,7 +21,7 @@ pub const ENTRY: Entry = Entry {
     about: "a count from 0 to 15 on the acoustic axis: +3 at the hit, -1 before it",
     wgsl: include_str!("../../shaders/method/himm.wgsl"),
     cost: Cost { flop: 0, int: 16 },
-    groups: 4,
+    vec4s_per_thread: 4,
     make: |settings| match settings {
         Settings::Himm(h) => Some(Box::new(h)),
         _ => None,
@@ -45,7 +45,7 @@ const LAYERS: &[LayerSpec] = &[LayerSpec {
 }];
 
 impl Kernel for Himm {
-    type Cells<S: Simd> = u32x16<S>;
+    type CellStates<S: Simd> = u32x16<S>;
 
     const AXIS: bool = true;
 
@@ -60,7 +60,7 @@ impl Kernel for Himm {
     }
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, _: &Frame, _: &Cone, row: &Reached<S>, _: &[u32; 4], cells: &mut u32x16<S>) {
+    fn fuse_cells<S: Simd>(&self, _: &Frame, _: &Cone, row: &Reached<S>, _: &[u32; 4], cells: &mut u32x16<S>) {
         let less = cells.max(ONE) - ONE;
         let more = (*cells + HIT).min(MOST);
         *cells = row.arc.select(more, row.interior.select(less, *cells));
@@ -107,8 +107,8 @@ impl Method for Himm {
         if class == Class::Occupied { 0.4 + (layers[0] - 3.0) / 20.0 } else { layers[0] / 3.0 - 1.0 }
     }
 
-    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
-        walk(self, pass, job, state);
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+        walk(self, pass, job, state)
     }
 
     fn cpu_only(&self) -> Option<&'static str> {

@@ -22,7 +22,7 @@ use crate::log::reading::Outcome;
 use crate::sensor::Sensor;
 use crate::support::similar::meant;
 use crate::{Error, Result};
-use driver::Job;
+use driver::{Job, WrongInput};
 pub use driver::Pass;
 use settings::Settings;
 
@@ -33,12 +33,12 @@ pub enum Step {
     Pass(Pass, u32),
     /// Each reading's parts, added in tile order to what its share holds.
     Sum,
-    /// Each reading's share from its count, on the host.
-    Share,
-    /// Hands the shares to the host (the whole-log way).
-    Hand,
+    /// Makes each reading's share from its count, on the host ([`Method::share`]).
+    NormalizeByCount,
+    /// Copies the shares to the host (the whole-log way).
+    ReadBack,
     /// Adds each reading's count to its share, on the host (the whole-log way).
-    Tally,
+    AccumulateCounts,
 }
 
 /// The whole-log way: rounds over the chunks; in each a chunk's readings are gone through once or more, with these steps
@@ -63,7 +63,7 @@ pub struct LayerSpec {
     pub integer: bool,
 }
 
-/// What a method takes one at a time.
+/// The kind of items that a method takes; the kinds of [`crate::binning::batch::Input`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
     /// A reading: each updates the cells of its cone.
@@ -72,6 +72,17 @@ pub enum Unit {
     Scan,
     /// An update that features made of a reading.
     Update,
+}
+
+impl Unit {
+    /// What the items are called in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unit::Reading => "readings",
+            Unit::Scan => "scans",
+            Unit::Update => "updates",
+        }
+    }
 }
 
 /// A method with its parameters set.
@@ -132,7 +143,7 @@ pub trait Method: Send + Sync {
         [0.0; 4]
     }
 
-    /// What a reading's count of arc cells gives to each of its cells ([`Step::Share`]).
+    /// What a reading's count of arc cells gives to each of its cells ([`Step::NormalizeByCount`]).
     fn share(&self, _count: u32, _outcome: Outcome) -> [u32; 4] {
         [0; 4]
     }
@@ -140,8 +151,8 @@ pub trait Method: Send + Sync {
     /// The layers, in the order of [`Method::values`].
     fn layers(&self) -> Vec<LayerSpec>;
 
-    /// Whether a cell without updates is touched all the same, by increments that are too small to count as such.
-    fn faint(&self, _words: &[u32]) -> bool {
+    /// Whether a cell without counted updates holds evidence all the same, from increments too small to count as updates.
+    fn has_subthreshold_evidence(&self, _words: &[u32]) -> bool {
         false
     }
 
@@ -155,7 +166,10 @@ pub trait Method: Send + Sync {
     fn combined(&self, layers: &[f32], class: Class) -> f32;
 
     /// Runs one pass over one tile: the CPU's half.
-    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]);
+    ///
+    /// # Errors
+    /// [`WrongInput`] where the job's input is not what the method takes.
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) -> std::result::Result<(), WrongInput>;
 
     /// Why only the CPU can do it with these parameters, if so.
     fn cpu_only(&self) -> Option<&'static str> {
@@ -185,9 +199,9 @@ pub struct Entry {
     pub wgsl: &'static str,
     /// What an update costs.
     pub cost: Cost,
-    /// How many times four cells a thread owns on a software adapter, a power of two up to 16: the most that pays (measured, see
-    /// `benches/NOTES.md`). A vector's lanes each read an entry there; on others one time four cells fill the card best.
-    pub groups: u32,
+    /// Vectors of four cells that a GPU's thread owns on a software adapter, a power of two up to 16: the fastest, measured
+    /// (`benches/NOTES.md`). A hardware adapter's thread owns one, which fills the card best.
+    pub vec4s_per_thread: u32,
     /// Makes it from its parameters, which must be this method's.
     pub make: fn(Settings) -> Option<Box<dyn Method>>,
 }
@@ -238,14 +252,22 @@ pub fn tile_words(method: &dyn Method) -> usize {
     planes(method) * layout::TILE_CELLS
 }
 
-/// How many times four cells a software adapter's thread owns.
-pub fn groups(method: &dyn Method) -> usize {
-    REGISTRY.iter().find(|e| (e.make)(method.settings()).is_some()).map_or(1, |e| e.groups as usize)
+/// The registry's line of a method.
+pub fn entry_of(method: &dyn Method) -> &'static Entry {
+    match REGISTRY.iter().find(|e| (e.make)(method.settings()).is_some()) {
+        Some(entry) => entry,
+        None => unreachable!("every variant of Settings has its line in the registry"),
+    }
+}
+
+/// Vectors of four cells that a software adapter's thread owns.
+pub fn vec4s_per_thread(method: &dyn Method) -> usize {
+    entry_of(method).vec4s_per_thread as usize
 }
 
 /// The method's name in the registry.
 pub fn name(method: &dyn Method) -> &'static str {
-    REGISTRY.iter().find(|e| (e.make)(method.settings()).is_some()).map_or("", |e| e.name)
+    entry_of(method).name
 }
 
 /// Adds numbers to sums, one by one.

@@ -21,7 +21,7 @@ const MANTISSA: i32 = 0x7f_ffff;
 
 /// The products of a row's likelihoods.
 #[derive(Debug, Clone, Copy)]
-pub struct Cells<S: Simd> {
+pub struct CellStates<S: Simd> {
     /// Π P(s|occupied).
     pub occupied: f32x16<S>,
     /// Π P(s|empty).
@@ -40,20 +40,20 @@ pub fn likelihood<S: Simd>(frame: &Frame, near: f32x16<S>, arc: mask32x16<S>) ->
     (near * part).max(floor).min(MOST)
 }
 
-/// A row of a tile from its planes, those of the two counts left out.
+/// Reads a row of a tile from its planes, those of the two counts left out.
 #[inline(always)]
-pub fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> Cells<S> {
+pub fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> CellStates<S> {
     let (occupied, empty) = (u32x16::load_array(simd, planes[0][row]), u32x16::load_array(simd, planes[1][row]));
-    Cells {
+    CellStates {
         occupied: from_one(occupied),
         empty: from_one(empty),
         scale: u32x16::load_array(simd, planes[2][row]).bitcast(),
     }
 }
 
-/// And back.
+/// Writes a row of a tile to its planes, those of the two counts left out.
 #[inline(always)]
-pub fn store<S: Simd>(cells: Cells<S>, planes: &mut [Plane], row: usize) {
+pub fn store<S: Simd>(cells: CellStates<S>, planes: &mut [Plane], row: usize) {
     to_one(cells.occupied).store_array(&mut planes[0][row]);
     to_one(cells.empty).store_array(&mut planes[1][row]);
     cells.scale.bitcast::<u32x16<S>>().store_array(&mut planes[2][row]);
@@ -61,7 +61,7 @@ pub fn store<S: Simd>(cells: Cells<S>, planes: &mut [Plane], row: usize) {
 
 /// Brings the cells to their one form, at least once in 16 updates.
 #[inline(always)]
-pub fn settle<S: Simd>(cells: &mut Cells<S>) {
+pub fn renormalize<S: Simd>(cells: &mut CellStates<S>) {
     let (occupied, empty) = (cells.occupied.bitcast::<i32x16<S>>(), cells.empty.bitcast::<i32x16<S>>());
     cells.scale = cells.scale + (occupied >> 23) - (empty >> 23);
     cells.occupied = ((occupied & MANTISSA) | ONE_BITS.cast_signed()).bitcast();

@@ -8,7 +8,7 @@ use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
 use crate::binning::snap::Footprint;
 use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::grid::{Class, Scale};
-use crate::method::driver::{Job, Kernel, Plane, Reached, walk};
+use crate::method::driver::{Job, Kernel, Plane, Reached, WrongInput, walk};
 use fearless_simd::Simd;
 
 /// The registry's line.
@@ -18,7 +18,7 @@ pub const ENTRY: Entry = Entry {
     about: "laser logs: hits and passes of each scan's nearest beam, a true map to score sonar maps against",
     wgsl: include_str!("../../shaders/method/truth.wgsl"),
     cost: Cost { flop: 0, int: 24 },
-    groups: 8,
+    vec4s_per_thread: 8,
     make: |settings| match settings {
         Settings::Truth => Some(Box::new(Truth)),
         _ => None,
@@ -38,7 +38,7 @@ const LAYERS: &[LayerSpec] =
     &[layer("hits", "scans whose nearest beam ends in the cell"), layer("passes", "scans whose nearest beam passes")];
 
 impl Kernel for Truth {
-    type Cells<S: Simd> = ();
+    type CellStates<S: Simd> = ();
 
     #[inline(always)]
     fn load<S: Simd>(_: S, _: &[Plane], _: usize) {}
@@ -47,7 +47,7 @@ impl Kernel for Truth {
     fn store<S: Simd>((): (), _: &mut [Plane], _: usize) {}
 
     #[inline(always)]
-    fn fuse<S: Simd>(&self, _: &Frame, _: &Cone, _: &Reached<S>, _: &[u32; 4], (): &mut ()) {}
+    fn fuse_cells<S: Simd>(&self, _: &Frame, _: &Cone, _: &Reached<S>, _: &[u32; 4], (): &mut ()) {}
 }
 
 impl Method for Truth {
@@ -92,7 +92,7 @@ impl Method for Truth {
         }
     }
 
-    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) {
-        walk(self, pass, job, state);
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+        walk(self, pass, job, state)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::geometry::layout::{CHUNK, TILE, TILE_CELLS};
 use crate::grid::{Class, Data, GridSpec, Layer, Map, Scale};
-use crate::kernels::Chunks;
+use crate::kernels::ChunkStates;
 use crate::method::{self, Method, Unit, add};
 use crate::oracle::OracleMap;
 use crate::pipeline::finished::{Finished, Visits};
@@ -144,7 +144,7 @@ pub fn of_classes(grid: GridSpec, method: &str, class: Vec<i8>) -> Map {
 }
 
 /// The map of a kernel's chunks.
-pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Finished {
+pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &ChunkStates) -> Finished {
     let mut layers = Layers::new(grid, method);
     let bands = layers.bands(TILE).into_par_iter().enumerate();
     let gains: Vec<Vec<f64>> = bands.map(|(row, band)| fill(grid, method, chunks, row, band)).collect();
@@ -155,7 +155,7 @@ pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &Chunks) -> Fin
 }
 
 /// Fills a row of tiles; what its cells' α gained.
-fn fill(grid: &GridSpec, method: &dyn Method, chunks: &Chunks, row: usize, mut band: Band) -> Vec<f64> {
+fn fill(grid: &GridSpec, method: &dyn Method, chunks: &ChunkStates, row: usize, mut band: Band) -> Vec<f64> {
     let mut cell = vec![0u32; method::planes(method)];
     let mut values = vec![0f32; method.layers().len()];
     let (faint, words, mut gains) = (method.unit() == Unit::Scan, method::tile_words(method), Vec::new());
@@ -178,7 +178,7 @@ fn fill(grid: &GridSpec, method: &dyn Method, chunks: &Chunks, row: usize, mut b
                     for (p, word) in cell.iter_mut().enumerate() {
                         *word = tile[p * TILE_CELLS + at];
                     }
-                    if !updated && !method.faint(&cell) {
+                    if !updated && !method.has_subthreshold_evidence(&cell) {
                         continue;
                     }
                     method.gains(&cell, &mut gains);

@@ -123,15 +123,16 @@ impl<'a> Mapper<'a> {
         let binning = Binning {
             size: [self.grid.width, self.grid.height],
             footprint: self.method.footprint(),
-            no_echo_arcs: self.method.sweeps()[sweep].contains(&method::Step::Share),
+            no_echo_arcs: self.method.sweeps()[sweep].contains(&method::Step::NormalizeByCount),
             only: None,
         };
-        let (grid, sensors, method, lists) = (&self.grid, self.sensors, self.method, self.backend.limits().lists);
+        let (grid, sensors, method, bins_tiles) =
+            (&self.grid, self.sensors, self.method, self.backend.limits().bins_tiles);
         let snap = |item: &Item| snap_item(grid, sensors, method, item);
         // Once into the pool for all of it: its threads are slow to wake.
-        let batch = rayon::scope(|_| binning.of(items, snap, lists));
+        let batch = rayon::scope(|_| binning.of(items, snap, bins_tiles));
         let Some(batch) = batch else { return self.halves(sweep, items) };
-        let misses = (items.len() - batch.cones.len()) as u64;
+        let misses = (items.len() - batch.cones().len()) as u64;
         self.work.binning_us += started.elapsed().as_micros() as u64;
         let sums = self.method.sweeps()[sweep].contains(&method::Step::Sum);
         if too_large(self.method, &batch, sums, self.backend.limits(), items.len() == 1)? {
@@ -139,7 +140,7 @@ impl<'a> Mapper<'a> {
         }
         if sweep == 0 && self.counting {
             self.counts.outside += misses;
-            count(&mut self.counts, &binning, &batch.cones);
+            count(&mut self.counts, &binning, batch.cones());
         }
         self.work.count(&batch);
         let frame = frame(&self.grid, self.method);
@@ -165,11 +166,11 @@ pub(crate) fn finish(grid: &GridSpec, method: &dyn Method, backend: &mut dyn Bac
     let mut chunks = backend.finish(method)?;
     let finished = layers::from_chunks(grid, method, &chunks);
     while again
-        && backend.reuses()
+        && backend.recycles_buffers()
         && let Some((_, mut words)) = chunks.pop_first()
     {
         words.fill(0);
-        backend.spare(words);
+        backend.recycle(words);
     }
     Ok(finished)
 }
@@ -188,9 +189,13 @@ pub(crate) fn frame(grid: &GridSpec, method: &dyn Method) -> Frame {
 /// Whether a batch comes to more than a backend takes; an error where it is one reading that can't be split.
 pub(crate) fn too_large(method: &dyn Method, batch: &Batch, sums: bool, limits: Limits, one: bool) -> Result<bool> {
     let entries = batch.chunks.iter().map(ChunkList::pairs).max().unwrap_or(0);
-    let parts = if sums { batch.first_part.last().map_or(0, |p| *p as usize) } else { 0 };
-    let turns = if limits.turns < usize::MAX { batch.turns(method::groups(method)) } else { 0 };
-    let too_large = entries > limits.entries || parts > limits.parts || turns > limits.turns;
+    let parts = if sums { batch.parts() } else { 0 };
+    let iterations = if limits.max_loop_iterations < usize::MAX {
+        batch.max_loop_iterations(method::vec4s_per_thread(method))
+    } else {
+        0
+    };
+    let too_large = entries > limits.entries || parts > limits.parts || iterations > limits.max_loop_iterations;
     if too_large && one {
         return Err(Error::Resources(format!(
             "one reading reaches {entries} tiles of a chunk, more than the adapter's limit of {}: use a coarser \

@@ -1,7 +1,7 @@
 //! What a run will need, checked before it is taken.
 
 use crate::binning::batch::PAIRS;
-use crate::geometry::layout::{BLOCKS, CHUNK, Cone, Entry, Near, SEGMENT, TILE};
+use crate::geometry::layout::{BLOCKS, CHUNK, Cone, ConeTileBounds, Entry, SEGMENT, TILE};
 use crate::grid::GridSpec;
 use crate::method::{self, Method, Unit};
 
@@ -35,7 +35,8 @@ pub fn whole(grid: &GridSpec, method: &dyn Method, batch: usize, readings: u64, 
 /// buffers of a batch, rounded up. No adapter tells how much it has free.
 pub fn card(method: &dyn Method, batch: usize) -> u64 {
     let words = (method::tile_words(method) * CHUNK * CHUNK * 4) as u64;
-    let cone = size_of::<Cone>() + size_of::<Near>() + size_of::<[u32; 4]>() + BLOCKS * BLOCKS * size_of::<u32>();
+    let cone =
+        size_of::<Cone>() + size_of::<ConeTileBounds>() + size_of::<[u32; 4]>() + BLOCKS * BLOCKS * size_of::<u32>();
     let pair = size_of::<Entry>() + size_of::<f32>();
     4 * words + 2 * (batch.next_multiple_of(SEGMENT) * cone + PAIRS * pair) as u64
 }

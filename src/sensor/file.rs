@@ -53,7 +53,7 @@ impl SensorFile {
     pub fn parse(path: &Path, text: &str) -> Result<SensorFile> {
         let line = |at: usize| text.bytes().take(at).filter(|b| *b == b'\n').count() as u64 + 1;
         let tables: Tables = toml::from_str(text).map_err(|e| Error::toml(path, text, &e))?;
-        let describe = |table: &Table| {
+        let describe = |table: &Table| -> Result<Description> {
             let mut description = Description::default();
             for (key, value) in table {
                 description

@@ -26,6 +26,9 @@ pub enum Error {
     /// Memory or disk doesn't suffice, or the output can't be written (exit code 5).
     #[error("{0}")]
     Resources(String),
+    /// A backend can't run a pass (exit code 4).
+    #[error(transparent)]
+    Kernel(Box<dyn std::error::Error + Send + Sync>),
 }
 
 impl Error {
@@ -53,6 +56,7 @@ impl Error {
             Error::Input { path, line, what } => Error::Input { path, line, what: format!("{what}; {more}") },
             Error::NoAdapter(what) => Error::NoAdapter(format!("{what}; {more}")),
             Error::Resources(what) => Error::Resources(format!("{what}; {more}")),
+            Error::Kernel(what) => Error::NoAdapter(format!("{what}; {more}")),
         }
     }
 
@@ -61,7 +65,7 @@ impl Error {
         match self {
             Error::Usage(_) => 2,
             Error::Input { .. } => 3,
-            Error::NoAdapter(_) => 4,
+            Error::NoAdapter(_) | Error::Kernel(_) => 4,
             Error::Resources(_) => 5,
         }
     }

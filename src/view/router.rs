@@ -111,7 +111,7 @@ fn http_response(response: crate::Result<Response>) -> HttpResponse {
             let status = match error {
                 Error::Usage(_) => StatusCode::BAD_REQUEST,
                 Error::Input { .. } => StatusCode::UNPROCESSABLE_ENTITY,
-                Error::NoAdapter(_) | Error::Resources(_) => StatusCode::INTERNAL_SERVER_ERROR,
+                Error::NoAdapter(_) | Error::Resources(_) | Error::Kernel(_) => StatusCode::INTERNAL_SERVER_ERROR,
             };
             error_response(status, &error.to_string())
         }

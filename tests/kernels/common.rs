@@ -12,8 +12,8 @@ use echogrid::feature::Update;
 use echogrid::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
 use echogrid::kernels::Backend;
 use echogrid::kernels::cpu::Cpu;
-use echogrid::kernels::gpu::shader::Kernel;
 use echogrid::kernels::gpu::{Gpu, Options};
+use echogrid::kernels::shader::Kernel;
 use echogrid::log::reading::{Counts, Reading};
 use echogrid::method::settings::{Csm, Settings};
 use echogrid::method::{self, Method, Step, Unit};
@@ -216,7 +216,7 @@ pub fn kernels_of(method: &dyn Method) -> BTreeSet<Kernel> {
     let kernel = |step: &Step| match step {
         Step::Pass(pass, _) => Some(Kernel::from(*pass)),
         Step::Sum => Some(Kernel::Sum),
-        Step::Share | Step::Hand | Step::Tally => None,
+        Step::NormalizeByCount | Step::ReadBack | Step::AccumulateCounts => None,
     };
     method.sweeps().iter().copied().flatten().filter_map(kernel).collect()
 }
@@ -249,7 +249,7 @@ pub fn gpu() -> Option<MutexGuard<'static, Gpu>> {
 pub fn patched_gpu(patches: &[(&str, &str)]) -> Option<Gpu> {
     let patches = patches.iter().map(|(from, to)| (from.to_string(), to.to_string())).collect();
     // A thread's cells by themselves, so that a fault stands in the source once.
-    open(Options { patches, groups: Some(1), ..Options::default() })
+    open(Options { patches, vec4s_per_thread: Some(1), ..Options::default() })
 }
 
 /// An adapter; `None`, loudly, where there is none.

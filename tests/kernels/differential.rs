@@ -14,7 +14,7 @@ fn agree(scene: &Scene, name: &str, settings: Settings) {
     assert_oracle(&at("cpu"), &cpu, &oracle);
     let Some(gpu) = scene.gpu(settings) else { return };
     assert_oracle(&at("gpu"), &gpu, &oracle);
-    if crate::common::gpu().is_some_and(|g| g.found().name.contains("llvmpipe")) {
+    if crate::common::gpu().is_some_and(|g| g.adapter_info().name.contains("llvmpipe")) {
         assert_same(&at("gpu and cpu"), &gpu, &cpu);
     }
 }
@@ -131,7 +131,7 @@ fn the_laser_truth() {
 #[test]
 fn the_gpu_half_runs_or_says_that_it_does_not() {
     match crate::common::gpu() {
-        Some(gpu) => println!("gpu: {}", gpu.found()),
+        Some(gpu) => println!("gpu: {}", gpu.adapter_info()),
         None => say("SKIPPED: every comparison with the gpu"),
     }
 }

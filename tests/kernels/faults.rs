@@ -6,7 +6,7 @@ use echogrid::binning::batch::BATCH;
 use echogrid::evaluate::compare::{self, compare};
 use echogrid::evaluate::verify;
 use echogrid::kernels::gpu::Options;
-use echogrid::kernels::gpu::shader::source;
+use echogrid::kernels::shader::source;
 use echogrid::log::reading::{Outcome, Record};
 use echogrid::log::{self, Writer};
 use echogrid::method;
@@ -299,8 +299,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "products are left to vanish",
-        from: "fn settle(cells: ptr<function, Cells>) {\n    let occupied",
-        to: "fn settle(cells: ptr<function, Cells>) {\n    if true {\n        return;\n    }\n    let occupied",
+        from: "fn renormalize(cells: ptr<function, CellStates>) {\n    let occupied",
+        to: "fn renormalize(cells: ptr<function, CellStates>) {\n    if true {\n        return;\n    }\n    let occupied",
         methods: &["bayes"],
         scene: scenes::parked,
     },
@@ -579,8 +579,8 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         what: "updates are marked as the next",
-        from: "mark(update.number, said_0.code)",
-        to: "mark(update.number + 1u, said_0.code)",
+        from: "mark(update.number, contributions_0.code)",
+        to: "mark(update.number + 1u, contributions_0.code)",
         methods: UPDATES,
         scene: scenes::updates,
     },
@@ -624,7 +624,8 @@ fn every_seeded_fault_is_rejected() {
             let method = method::make(settings);
             // A fault that changes no kernel of the method would test nothing.
             let kernels = kernels_of(method.as_ref());
-            let sources = kernels.iter().flat_map(|k| [false, true].map(|wide| source(method.as_ref(), *k, wide, 1)));
+            let sources =
+                kernels.iter().flat_map(|k| [false, true].map(|wide| source(method.as_ref(), *k, wide, 1).unwrap()));
             assert!(
                 sources.into_iter().any(|s| s.contains(fault.from)),
                 "\"{}\": its text is not in {name}'s kernels",
@@ -726,7 +727,7 @@ fn verify_rejects_faults() {
             (mapped.counts.outside, mapped.counts.empty_arc, mapped.counts.wide)
                 != (oracle.outside, oracle.empty_arc, oracle.wide),
         );
-        let adapter = gpu.found().to_string();
+        let adapter = gpu.adapter_info().to_string();
         let finished = &mapped.finished;
         let run = verify::BackendRun { name: "gpu", adapter, finished, wrong_counts: wrong, seconds: 0.0 };
         let check = verify::check_backend(&session, &oracle, run).unwrap();
@@ -797,12 +798,19 @@ fn faults_of_hardware_kernels_are_seen() {
     let mut unseen = Vec::new();
     for (what, from, to, methods) in faults {
         let patches = vec![(from.to_string(), to.to_string())];
-        let options = Options { staged: Some(true), lists: Some(true), groups: Some(1), patches, ..Options::default() };
+        let options = Options {
+            staged: Some(true),
+            bins_tiles: Some(true),
+            vec4s_per_thread: Some(1),
+            patches,
+            ..Options::default()
+        };
         let Some(mut patched) = open(options) else { return };
         for name in methods {
             let settings = settings(name);
             let method = method::make(settings);
-            let sources = kernels_of(method.as_ref()).into_iter().map(|k| source(method.as_ref(), k, false, 1));
+            let sources =
+                kernels_of(method.as_ref()).into_iter().map(|k| source(method.as_ref(), k, false, 1).unwrap());
             assert!(sources.into_iter().any(|s| s.contains(from)), "{what}: its text is not in {name}'s kernels");
             let run = scene.run(method.as_ref(), &mut patched, BATCH);
             if against_oracle(&run, &scene.oracle(settings)).is_empty() {

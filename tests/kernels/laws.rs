@@ -7,7 +7,7 @@ use echogrid::binning::snap::{Footprint, snap};
 use echogrid::geometry::layout::{CELL, CHUNK, Cone, Frame, TILE, TILE_CELLS};
 use echogrid::grid::GridSpec;
 use echogrid::kernels::cpu::Cpu;
-use echogrid::kernels::{Backend, Chunks};
+use echogrid::kernels::{Backend, ChunkStates};
 use echogrid::log::reading::{Outcome, Reading};
 use echogrid::method::{self, Method, Step};
 use echogrid::oracle::OracleMap;
@@ -45,7 +45,7 @@ fn on(grid: GridSpec, readings: &[Reading]) -> Scene {
 fn run_cones(method: &dyn Method, size: [usize; 2], cones: Vec<Cone>, grid: &GridSpec) -> Vec<Vec<u32>> {
     let mut cpu = Cpu::new(1).unwrap();
     for steps in method.sweeps() {
-        let no_echo_arcs = steps.contains(&Step::Share);
+        let no_echo_arcs = steps.contains(&Step::NormalizeByCount);
         let batch: Batch = Binning { size, footprint: method.footprint(), no_echo_arcs, only: None }.bin(cones.clone());
         let frame = Frame {
             size: size.map(|s| s as u32),
@@ -59,7 +59,7 @@ fn run_cones(method: &dyn Method, size: [usize; 2], cones: Vec<Cone>, grid: &Gri
     cells(method, size, &cpu.finish(method).unwrap())
 }
 
-fn cells(method: &dyn Method, size: [usize; 2], chunks: &Chunks) -> Vec<Vec<u32>> {
+fn cells(method: &dyn Method, size: [usize; 2], chunks: &ChunkStates) -> Vec<Vec<u32>> {
     assert!(size.iter().all(|s| *s <= CHUNK * TILE), "one chunk");
     let fresh = vec![0; method::planes(method)];
     let mut cells = vec![fresh; size[0] * size[1]];

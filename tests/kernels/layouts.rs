@@ -3,11 +3,16 @@
 use crate::common::{every_settings, kernels_of};
 use crate::scenes;
 use echogrid::geometry::layout::*;
-use echogrid::kernels::gpu::adapter::Found;
-use echogrid::kernels::gpu::shader::{self, Kernel};
+use echogrid::kernels::adapter::AdapterInfo;
+use echogrid::kernels::bindings::{Access, Binding, bindings};
+use echogrid::kernels::cpu::Cpu;
+use echogrid::kernels::gpu::program::BinnerKernel;
+use echogrid::kernels::gpu::tile_binner;
 use echogrid::kernels::gpu::{Gpu, Options};
+use echogrid::kernels::shader::{self, Kernel};
+use echogrid::kernels::{Backend, KernelError};
 use echogrid::method;
-use echogrid::method::Unit;
+use echogrid::method::{Step, Unit};
 use std::collections::{BTreeMap, BTreeSet};
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
@@ -42,8 +47,8 @@ fn rust_shapes() -> BTreeMap<String, Shape> {
         shape!(Cone: sensor reach axis left right flags index shape profile),
         shape!(Tile: corner entries slot spare),
         shape!(Entry: cone slot),
-        shape!(Near: cone part low high),
-        shape!(Lists: chunk size near segments how pad),
+        shape!(ConeTileBounds: cone part low high),
+        shape!(BinningParams: chunk size cones segments flags pad),
         shape!(Scan: pose first count number pad),
         shape!(Beam: bound ray range id),
         shape!(Shapes: fans lines weights number flags room),
@@ -167,9 +172,10 @@ fn every_kernel_parses_and_validates() {
         let method = method::make(settings);
         let kernels = kernels_of(method.as_ref());
         let each = kernels.iter().flat_map(|k| [(*k, false, 1), (*k, true, 1), (*k, false, 8), (*k, true, 4)]);
-        for (kernel, wide, groups) in each {
-            let what = format!("{name}, {}, {groups}, {}", kernel.name(), if wide { "wide" } else { "narrow" });
-            let module = parse(&shader::source(method.as_ref(), kernel, wide, groups), &what);
+        for (kernel, wide, vec4s_per_thread) in each {
+            let what =
+                format!("{name}, {}, {vec4s_per_thread}, {}", kernel.name(), if wide { "wide" } else { "narrow" });
+            let module = parse(&shader::source(method.as_ref(), kernel, wide, vec4s_per_thread).unwrap(), &what);
             let flags = naga::valid::ValidationFlags::all();
             let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty());
             validator.validate(&module).unwrap_or_else(|e| panic!("{what}: {e:?}"));
@@ -178,7 +184,7 @@ fn every_kernel_parses_and_validates() {
             let threads = match (kernel, method.unit()) {
                 (Kernel::Sum, _) => 64,
                 (_, Unit::Scan) => TILE_CELLS as u32,
-                (_, Unit::Reading | Unit::Update) => TILE_CELLS as u32 / (4 * groups),
+                (_, Unit::Reading | Unit::Update) => TILE_CELLS as u32 / (4 * vec4s_per_thread),
             };
             assert_eq!(entry, [(kernel.name(), [threads, 1, 1])], "{what}");
             if kernel != Kernel::Sum {
@@ -195,7 +201,7 @@ fn every_kernel_parses_and_validates() {
 fn himm_counts_in_the_same_unit() {
     use echogrid::method::himm::{HIT, MOST, ONE};
     let method = method::make(method::settings::Settings::of("himm").unwrap());
-    let found = constants(&parse(&shader::source(method.as_ref(), Kernel::Fuse, true, 1), "himm"));
+    let found = constants(&parse(&shader::source(method.as_ref(), Kernel::Fuse, true, 1).unwrap(), "himm"));
     assert_eq!([ONE, HIT, MOST].map(f64::from), ["ONE", "HIT", "MOST"].map(|n| found[n]));
 }
 
@@ -278,6 +284,142 @@ fn twins_name_each_other() {
     }
 }
 
+/// The bindings of group 0 that a module declares: number, name, access, bytes of an element.
+fn reflected(module: &naga::Module, what: &str) -> Vec<(u32, String, Access, u64)> {
+    let mut found = Vec::new();
+    for (_, variable) in module.global_variables.iter() {
+        let Some(binding) = &variable.binding else { continue };
+        assert_eq!(binding.group, 0, "{what}");
+        let access = match variable.space {
+            naga::AddressSpace::Uniform => Access::Uniform,
+            naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => Access::ReadWrite,
+            naga::AddressSpace::Storage { .. } => Access::Read,
+            other => panic!("{what}: {other:?}"),
+        };
+        let stride = match module.types[variable.ty].inner {
+            naga::TypeInner::Struct { span, .. } => span,
+            naga::TypeInner::Array { stride, .. } => stride,
+            ref other => panic!("{what}: {other:?}"),
+        };
+        found.push((binding.binding, variable.name.clone().unwrap(), access, u64::from(stride)));
+    }
+    found.sort_by_key(|b| b.0);
+    found
+}
+
+fn held(bindings: &[Binding]) -> Vec<(u32, String, Access, u64)> {
+    bindings.iter().map(|b| (b.number, b.name.to_string(), b.access, b.stride)).collect()
+}
+
+#[test]
+fn every_pipeline_binds_what_its_module_declares() {
+    let mut layouts = BTreeSet::new();
+    for (name, settings) in every_settings() {
+        let method = method::make(settings);
+        for kernel in kernels_of(method.as_ref()) {
+            for wide in [false, true] {
+                let what = format!("{name}, {}", kernel.name());
+                let module = parse(&shader::source(method.as_ref(), kernel, wide, 1).unwrap(), &what);
+                let bound = bindings(method.unit(), kernel).unwrap();
+                assert_eq!(reflected(&module, &what), held(bound), "{what}");
+                layouts.insert(bound.iter().map(|b| b.name).collect::<Vec<_>>());
+            }
+        }
+    }
+    // Readings: fuse, weigh and count, sum; scans; updates.
+    assert_eq!(layouts.len(), 5, "{layouts:?}");
+    let modules = tile_binner::sources().map(|source| parse(&source, "tile binner"));
+    let mut kernels = 0;
+    for module in &modules {
+        let entries: BTreeSet<&str> = module.entry_points.iter().map(|e| e.name.as_str()).collect();
+        for kernel in BinnerKernel::ALL.into_iter().filter(|k| entries.contains(k.name())) {
+            assert_eq!(reflected(module, kernel.name()), held(kernel.bindings()), "{}", kernel.name());
+            kernels += 1;
+        }
+        assert!(entries.iter().all(|e| BinnerKernel::ALL.iter().any(|k| k.name() == *e)), "{entries:?}");
+    }
+    assert_eq!(kernels, BinnerKernel::ALL.len());
+}
+
+#[test]
+fn a_kernel_that_does_not_exist_is_an_error() {
+    for (name, unit) in [("csm-discrete", Unit::Scan), ("features", Unit::Update)] {
+        let method = method::make(method::settings::Settings::of(name).unwrap());
+        for kernel in [Kernel::Weigh, Kernel::Count, Kernel::Sum] {
+            let error = KernelError::NoKernel { kernel: kernel.name(), input: unit.name() };
+            assert_eq!(shader::source(method.as_ref(), kernel, false, 1).unwrap_err(), error);
+            assert_eq!(bindings(unit, kernel).unwrap_err(), error);
+        }
+    }
+}
+
+/// The functions that a WGSL file defines, those with an empty body left out: their twins are a trait's defaults.
+fn functions(wgsl: &str) -> Vec<&str> {
+    let names = wgsl.match_indices("fn ").filter(|(at, _)| *at == 0 || wgsl.as_bytes()[at - 1] == b'\n');
+    let names: Vec<&str> = names.filter_map(|(at, _)| wgsl[at + 3..].split_once('(').map(|(name, _)| name)).collect();
+    names
+        .into_iter()
+        .filter(|name| !wgsl.contains(&format!("fn {name}(cells: ptr<function, CellStates>) {{}}")))
+        .collect()
+}
+
+#[test]
+fn twins_have_functions_of_the_same_names() {
+    // What has no function of its own in Rust, with the reason.
+    const ONLY_WGSL: &[(&str, &[&str])] = &[
+        // A cone's rows of a method: `Kernel::AXIS` in Rust.
+        ("shaders/method/", &["member_row"]),
+        // The CPU looks at a tile through `EdgeFunctions`, before it walks the tile.
+        ("shaders/method/driver/weigh.wgsl", &["groups_of", "part_of_tile", "part_of_group"]),
+        // One mask for three sources instead of their codes.
+        ("shaders/method/driver/update.wgsl", &["source", "part"]),
+    ];
+    let paired = ["shaders/method", "shaders/method/driver", "shaders/binning/update", "shaders/binning/scan"];
+    // Twins by what they do: the CPU has a tile's rows where the GPU has a thread's cells.
+    let apart = ["shaders/method/driver/tile.wgsl", "shaders/method/driver/stage.wgsl"];
+    let (mut shaders, mut compared) = (Vec::new(), 0);
+    paired.iter().for_each(|folder| files(&root().join(folder), "wgsl", &mut shaders));
+    let mut unused: BTreeSet<(&str, &str)> = ONLY_WGSL.iter().flat_map(|(p, f)| f.iter().map(|f| (*p, *f))).collect();
+    for path in shaders {
+        let name = relative(&path);
+        if apart.contains(&name.as_str()) {
+            continue;
+        }
+        let wgsl = text(&name);
+        let rust = text(named(&wgsl, "src/", ".rs")[0]);
+        for function in functions(&wgsl) {
+            let only = ONLY_WGSL.iter().find(|(prefix, only)| name.starts_with(prefix) && only.contains(&function));
+            match only {
+                Some((prefix, _)) => unused.retain(|known| *known != (*prefix, function)),
+                None => {
+                    let defined = [format!("fn {function}("), format!("fn {function}<")];
+                    assert!(defined.iter().any(|d| rust.contains(d)), "{name}: its twin has no {function}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(unused.is_empty(), "no such functions: {unused:?}");
+    assert!(compared >= 50, "{compared} functions compared");
+}
+
+/// The GPU backend on a device that computes nothing.
+fn noop() -> Gpu {
+    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let limits = device.limits();
+    let info = AdapterInfo {
+        name: "noop".into(),
+        api: "Noop".into(),
+        driver: String::new(),
+        software: true,
+        binding: limits.max_storage_buffer_binding_size,
+        buffer: limits.max_buffer_size,
+        workgroups: limits.max_compute_workgroups_per_dimension,
+        workgroup_memory: limits.max_compute_workgroup_storage_size,
+    };
+    Gpu::with_device(info, device, queue, &Options::default())
+}
+
 #[test]
 fn a_whole_dispatch_on_the_noop_backend() {
     for (name, settings) in every_settings() {
@@ -291,22 +433,33 @@ fn a_whole_dispatch_on_the_noop_backend() {
             _ if method.unit() == Unit::Update => scenes::updates(),
             _ => scenes::wide(),
         };
-        let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-        let limits = device.limits();
-        let found = Found {
-            name: "noop".into(),
-            api: "Noop".into(),
-            driver: String::new(),
-            software: true,
-            binding: limits.max_storage_buffer_binding_size,
-            buffer: limits.max_buffer_size,
-            workgroups: limits.max_compute_workgroups_per_dimension,
-            workgroup_memory: limits.max_compute_workgroup_storage_size,
-        };
-        let mut gpu = Gpu::with_device(found, device, queue, &Options::default());
+        let mut gpu = noop();
         let run = scene.run(method.as_ref(), &mut gpu, echogrid::binning::batch::BATCH);
         // Nothing was computed: but every buffer, binding, pipeline and dispatch was accepted.
         assert_eq!(run.map.updates, 0, "{name}");
         assert!(run.work.entries > 100, "{name}");
     }
+}
+
+#[test]
+fn a_batch_that_does_not_fit_its_method_is_an_error() {
+    use echogrid::binning::batch::{Batch, ChunkList, Input, ScanInput};
+    let frame = Frame { size: [64, 64], mode: 0, scale: 1.0, constants: [[0.0; 4]; 2], limits: [0; 4] };
+    let bayes = method::make(method::settings::Settings::of("bayes").unwrap());
+    let tiles = vec![Tile { corner: [0, 0], entries: [0, 0], slot: 0, spare: [0; 3] }];
+    let chunks = vec![ChunkList { tiles, ..ChunkList::default() }];
+    let scans = Batch { chunks: chunks.clone(), input: Input::Scans(ScanInput::default()) };
+    let readings = Batch { chunks, input: Input::Cones(Default::default()) };
+    let mut backends: [Box<dyn Backend>; 2] = [Box::new(noop()), Box::new(Cpu::new(1).unwrap())];
+    for backend in &mut backends {
+        let error = backend.apply(bayes.as_ref(), frame, &scans, bayes.sweeps()[0], &mut Vec::new()).unwrap_err();
+        assert_eq!(
+            (error.exit_code(), error.to_string().contains("takes readings was given scans")),
+            (4, true),
+            "{error}"
+        );
+    }
+    // A step that reads counts which no step before it makes.
+    let counts = noop().apply(bayes.as_ref(), frame, &readings, &[Step::AccumulateCounts], &mut Vec::new());
+    assert!(counts.unwrap_err().to_string().contains("lacks its buffer \"parts\""));
 }

@@ -5,7 +5,7 @@ use crate::scenes;
 use echogrid::binning::batch::{Batch, Binning, ChunkList};
 use echogrid::binning::snap::{Footprint, snap};
 use echogrid::geometry::layout::{ARC, Cone, Entry, WIDE};
-use echogrid::kernels::gpu::{Gpu, Options, lists};
+use echogrid::kernels::gpu::{Gpu, Options, tile_binner};
 use std::collections::BTreeSet;
 
 /// A scene's readings, snapped, but for those that reach far.
@@ -32,7 +32,7 @@ impl Listed {
         let size = [scene.grid.width, scene.grid.height];
         let binning = Binning { size, footprint, no_echo_arcs, only: None };
         let cones = cones(scene, footprint);
-        let near = binning.near(&cones, |c| Some(*c)).unwrap();
+        let near = binning.bound_cones(&cones, |c| Some(*c)).unwrap();
         let listed = gpu.list(size, &binning, &near).unwrap();
         Listed { what: format!("{}, {footprint:?}", scene.name), near, host: binning.bin(cones), listed }
     }
@@ -76,13 +76,16 @@ fn parts(near: &Batch, listed: &[&ChunkList], host: &Batch, what: &str) {
     let slots: BTreeSet<u32> = ours.iter().map(|p| p.1).collect();
     assert_eq!(slots.len(), ours.len(), "{what}: two tiles share a part");
     for (reading, slot, ..) in ours {
-        assert!((near.first_part[reading]..near.first_part[reading + 1]).contains(&slot), "{what}: reading {reading}");
+        assert!(
+            (near.first_part()[reading]..near.first_part()[reading + 1]).contains(&slot),
+            "{what}: reading {reading}"
+        );
     }
 }
 
 #[test]
 fn lists_are_those_of_the_host() {
-    let Some(mut gpu) = open(Options { lists: Some(true), ..Options::default() }) else { return };
+    let Some(mut gpu) = open(Options { bins_tiles: Some(true), ..Options::default() }) else { return };
     let (mut entries, mut arcs) = (0, 0);
     // The crowd is many segments; the others lie over several chunks, end within a tile, have lasers and missing echoes.
     for scene in [scenes::crowd(), scenes::ragged(), scenes::chunks(), scenes::large(), scenes::edges(), scenes::fans()]
@@ -112,12 +115,12 @@ fn faults_in_lists_are_seen() {
             "let arc = far2 > u32(cone.reach.y * cone.reach.y);",
         ),
         ("a tile across an edge is inside", "let inside = left.y < 0", "let inside = left.x < 0"),
-        ("a tile beyond the grid is inside", "if any(corner + TILE > lists.size)", "if any(corner > lists.size)"),
-        ("missing echoes have an arc", "if (cone.flags & NO_ECHO) != 0u && (lists.how & ARCS) == 0u", "if false"),
+        ("a tile beyond the grid is inside", "if any(corner + TILE > params.size)", "if any(corner > params.size)"),
+        ("missing echoes have an arc", "if (cone.flags & NO_ECHO) != 0u && (params.flags & ARCS) == 0u", "if false"),
         ("a box ends a tile early", "any(at >= box.high)", "any(at + 1u >= box.high)"),
         ("order is lost", "entries[to + place.x]", "entries[to + place.y - 1u - place.x]"),
         ("a turn is forgotten", "        to += place.y;", "        to += select(place.y, 0u, turn == 2u);"),
-        ("a segment is forgotten", "segment < lists.segments", "segment + 1u < max(lists.segments, 2u)"),
+        ("a segment is forgotten", "segment < params.segments", "segment + 1u < max(params.segments, 2u)"),
         ("a block's neighbour", "at.y / BLOCK * BLOCKS + at.x / BLOCK", "(at.y + 1u) / BLOCK * BLOCKS + at.x / BLOCK"),
         (
             "parts are shared",
@@ -128,9 +131,9 @@ fn faults_in_lists_are_seen() {
     ];
     let mut unseen = Vec::new();
     for (what, from, to) in faults {
-        assert!(lists::sources().iter().any(|s| s.contains(from)), "{what}: its text is not in the kernels");
+        assert!(tile_binner::sources().iter().any(|s| s.contains(from)), "{what}: its text is not in the kernels");
         let patches = vec![(from.to_string(), to.to_string())];
-        let Some(mut gpu) = open(Options { lists: Some(true), patches, ..Options::default() }) else { return };
+        let Some(mut gpu) = open(Options { bins_tiles: Some(true), patches, ..Options::default() }) else { return };
         let scenes = [scenes::crowd(), scenes::ragged(), scenes::chunks(), scenes::large()];
         let seen = scenes.iter().any(|scene| {
             let listed = Listed::of(&mut gpu, scene, Footprint::Cone, false);

@@ -64,14 +64,14 @@ fn batches_on_the_gpu() {
 /// However many cells a thread owns: what suits a software adapter, and what a hardware one.
 #[test]
 fn shapes_on_the_gpu() {
-    for groups in [1, 2, 3, 8] {
-        let Some(mut gpu) = open(Options { groups: Some(groups), ..Options::default() }) else { return };
+    for count in [1, 2, 3, 8] {
+        let Some(mut gpu) = open(Options { vec4s_per_thread: Some(count), ..Options::default() }) else { return };
         for (name, settings) in every_settings() {
             let (method, scene) = (method::make(settings), first(log(settings), 700));
             if method.cpu_only().is_none() {
                 let run = scene.run(method.as_ref(), &mut gpu, BATCH);
                 let Some(usual) = scene.gpu(settings) else { return };
-                assert_same(&format!("{name}, {groups} groups a thread"), &run, &usual);
+                assert_same(&format!("{name}, {count} count a thread"), &run, &usual);
             }
         }
     }
@@ -80,8 +80,13 @@ fn shapes_on_the_gpu() {
 /// What a hardware adapter gets: readings staged in workgroup memory, tiles told apart, lists made on the GPU; and each by itself.
 #[test]
 fn as_on_hardware() {
-    for (staged, lists, groups) in [(true, true, 1), (true, false, 2), (false, true, 4)] {
-        let options = Options { groups: Some(groups), staged: Some(staged), lists: Some(lists), ..Options::default() };
+    for (staged, lists, count) in [(true, true, 1), (true, false, 2), (false, true, 4)] {
+        let options = Options {
+            vec4s_per_thread: Some(count),
+            staged: Some(staged),
+            bins_tiles: Some(lists),
+            ..Options::default()
+        };
         let Some(mut gpu) = open(options) else { return };
         for (name, settings) in every_settings() {
             let (method, scene) = (method::make(settings), first(log(settings), 900));
@@ -127,7 +132,7 @@ fn timed_passes() {
     }
     check(&mut Cpu::new(0).unwrap(), true);
     if let Some(mut gpu) = gpu() {
-        let clock = gpu.found().software;
+        let clock = gpu.adapter_info().software;
         check(&mut *gpu, clock);
     }
 }
@@ -206,7 +211,7 @@ fn an_entry_limit_that_splits_batches_changes_nothing() {
         fn take(&mut self, place: [u32; 2]) -> echogrid::Result<Option<Vec<u32>>> {
             self.0.take(place)
         }
-        fn finish(&mut self, method: &dyn method::Method) -> echogrid::Result<echogrid::kernels::Chunks> {
+        fn finish(&mut self, method: &dyn method::Method) -> echogrid::Result<echogrid::kernels::ChunkStates> {
             self.0.finish(method)
         }
     }

@@ -1,13 +1,13 @@
-// Ordered compaction; twin of src/kernels/gpu/lists.rs.
+// Ordered compaction; twin of src/kernels/gpu/tile_binner.rs.
 //
-// Which of a workgroup's WORKERS threads have something to write, and the place of each among them.
+// Gives each of a workgroup's WORKERS threads that has something to write its index among them.
 
 const WORDS: u32 = WORKERS / 32u;
 
-// The threads' bits of one turn, of the last and of the next: so that a turn takes one barrier.
+// A bit for each thread, of this turn, the last one and the next: so a turn takes one barrier.
 var<workgroup> bits: array<atomic<u32>, 3u * WORDS>;
 
-// All of them 0, before the first turn.
+// Clears all bits, before the first turn.
 fn begin(lane: u32) {
     if lane < 3u * WORDS {
         atomicStore(&bits[lane], 0u);
@@ -15,7 +15,7 @@ fn begin(lane: u32) {
     workgroupBarrier();
 }
 
-// How many threads before this one have something, and how many have in all. All threads come here together, for the turn-th time.
+// How many threads before this one have something to write, and how many in all. All threads call this together, for the turn-th time.
 fn rank(lane: u32, turn: u32, has: bool) -> vec2<u32> {
     let here = WORDS * (turn % 3u);
     let own = lane / 32u;

@@ -1,6 +1,6 @@
 // Counts the arc cells of each reading; twin of src/method/driver/walk.rs (count).
 //
-// A kernel of its own because the update needs the whole count. Integer atomics are exact in any order.
+// A kernel of its own, because the update needs the whole count. Integer atomics give the same sum in any order.
 
 @group(0) @binding(5) var<storage, read_write> parts: array<atomic<u32>>;
 
@@ -9,7 +9,7 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     let tile = tiles[group.x];
     var k = tile.entries.x;
     while k < tile.entries.y {
-        // A loop where a condition would do: adapters that run both sides of a branch then pass over the other entries.
+        // A loop rather than a condition: adapters that execute both sides of a branch skip the other entries this way.
         while k < tile.entries.y && (entries[k].cone & ARC) == 0u {
             k += 1u;
         }

@@ -3,13 +3,13 @@
 // A workgroup is a tile; its threads hold their cells' state in registers, so the map is read once and written once a batch.
 // Bounds: groups are the chunk's listed tiles, entries those of the tile's list.
 
-// What a reading does to four cells.
-fn take_in(
+// Applies a reading to four cells.
+fn update_cells(
     cone: Cone,
     row: Row,
     share: vec4<u32>,
     counts: ptr<function, array<vec4<u32>, 2>>,
-    cells: ptr<function, Cells>,
+    cells: ptr<function, CellStates>,
 ) {
     if any(row.interior | row.arc) {
         (*counts)[0] += vec4<u32>(row.interior);
@@ -38,23 +38,23 @@ fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             let entry = entry_at(k, first);
             let cone = cone_at(k, first);
             let share = share_at(k, first, cone);
-            if TOLD_APART && (entry.cone & INSIDE) != 0u {
+            if SPECIALIZE_TILES && (entry.cone & INSIDE) != 0u {
                 // each GROUP
-                take_in(cone, look_inside(cone, cell_GROUP), share, &counts_GROUP, &cells_GROUP);
+                update_cells(cone, look_inside(cone, cell_GROUP), share, &counts_GROUP, &cells_GROUP);
                 // end
-            } else if TOLD_APART && (entry.cone & ARC) == 0u {
+            } else if SPECIALIZE_TILES && (entry.cone & ARC) == 0u {
                 // each GROUP
-                take_in(cone, look_before(cone, cell_GROUP), share, &counts_GROUP, &cells_GROUP);
+                update_cells(cone, look_before(cone, cell_GROUP), share, &counts_GROUP, &cells_GROUP);
                 // end
             } else {
                 // each GROUP
-                take_in(cone, look(cone, cell_GROUP), share, &counts_GROUP, &cells_GROUP);
+                update_cells(cone, look(cone, cell_GROUP), share, &counts_GROUP, &cells_GROUP);
                 // end
             }
         }
         first = end;
         // each GROUP
-        settle(&cells_GROUP);
+        renormalize(&cells_GROUP);
         // end
     }
     // each GROUP

@@ -4,10 +4,10 @@
 
 const EDGE: u32 = 1024u;
 const TILE_CELLS: u32 = 256u;
-// Farther than any.
+// Larger than any square.
 const FAR: vec2<u32> = vec2<u32>(0xffffffffu, 0x7fffffffu);
 
-// The n-th smallest square of a distance, and how many of those equal to it are among the n nearest: the earlier ones.
+// The n-th smallest squared distance of a cell from the poses. Of the poses at that distance the first `ties` are among the n nearest.
 struct Nth {
     square: vec2<u32>,
     ties: u32,

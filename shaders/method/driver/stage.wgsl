@@ -1,6 +1,6 @@
-// The next entries of a tile's list, sixteen at a time, and what they name; twin of src/method/driver/reach.rs.
+// A stage: the next sixteen entries of a tile's list with their cones and shares; twin of src/method/driver/reach.rs (Lookahead).
 
-// Whether a workgroup keeps a stage's readings in its own memory. It pays on hardware; a software adapter has no such memory.
+// Whether a workgroup keeps a stage in workgroup memory: faster on hardware; a software adapter has no such memory.
 override STAGED: bool = false;
 
 const STAGE: u32 = 16u;
@@ -9,7 +9,7 @@ var<workgroup> staged_entries: array<Entry, STAGE>;
 var<workgroup> staged_cones: array<Cone, STAGE>;
 var<workgroup> staged_shares: array<vec4<u32>, STAGE>;
 
-// Begins a stage with the entry `first`: where it ends, at `last` at the latest. All threads of a workgroup come here together.
+// Begins the stage of the entry `first` and returns its end, at most `last`. All threads of a workgroup call this together.
 fn stage(first: u32, last: u32, lane: u32) -> u32 {
     let end = min(first + STAGE, last);
     if STAGED {
@@ -26,7 +26,7 @@ fn stage(first: u32, last: u32, lane: u32) -> u32 {
     return end;
 }
 
-// The k-th entry, of the stage that began with `first`; …
+// The entry k of the stage that began with `first`.
 fn entry_at(k: u32, first: u32) -> Entry {
     if STAGED {
         return staged_entries[k - first];
@@ -34,7 +34,7 @@ fn entry_at(k: u32, first: u32) -> Entry {
     return entries[k];
 }
 
-// … its cone, …
+// The cone of that entry.
 fn cone_at(k: u32, first: u32) -> Cone {
     if STAGED {
         return staged_cones[k - first];
@@ -42,7 +42,7 @@ fn cone_at(k: u32, first: u32) -> Cone {
     return cones[entries[k].cone >> ENTRY_SHIFT];
 }
 
-// … and what the pass before found for that.
+// What the pass before found for that cone.
 fn share_at(k: u32, first: u32, cone: Cone) -> vec4<u32> {
     if STAGED {
         return staged_shares[k - first];

@@ -1,11 +1,17 @@
-// The sum of each reading's parts, added in tile order to what its share holds; twin of src/kernels/cpu/mod.rs (sums).
+// The sum of each reading's parts, added in tile order to the reading's share; twin of src/kernels/cpu/mod.rs (sum). What it binds is
+// twin of src/kernels/bindings.rs.
 //
-// A thread a reading. Where weigh.wgsl leaves a tile's groups apart it adds them up first: down the four columns, then across.
+// A thread a reading. Where weigh.wgsl writes a part for each vector of four cells, those of a tile are added first: down its four
+// columns of vectors, then across.
 
-// Whether a part is one number.
+// Whether a tile's part is one number.
 override STAGED: bool = false;
 
+@group(0) @binding(1) var<storage, read> cones: array<Cone>;
 @group(0) @binding(5) var<storage, read_write> parts: array<f32>;
+@group(0) @binding(6) var<storage, read_write> shares: array<vec4<u32>>;
+// Where each reading's parts begin.
+@group(0) @binding(7) var<storage, read> first_part: array<u32>;
 
 @compute @workgroup_size(64)
 fn sum(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -1,15 +1,15 @@
-// Updates that features made of readings: a tile's list of them, in order; twin of src/method/driver/update.rs.
+// Updates that features made of readings: a tile's list of them, in log order; twin of src/method/driver/update.rs.
 //
-// A kernel of its own because an update has shapes beside its cone. A workgroup is a tile; its threads hold their cells' state in
+// A kernel of its own, because an update has shapes beside its cone. A workgroup is a tile; its threads hold their cells' state in
 // registers. Bounds: groups are the chunk's listed tiles, entries those of the tile's list, points those of an update's shapes.
 
-// Who says what of four cells: a code each, and the routine part's row.
-struct Said {
+// What the three sources of an update do to four cells: a code for each cell, and the routine part's row.
+struct Contributions {
     code: vec4<u32>,
     row: Row,
 }
 
-// Of four cells, the first one's centre at v, those that the k-th fan holds, by the entry's slot.
+// Which of four cells, the first one's centre at v, lie in the k-th fan, by the entry's slot.
 fn fan(points: vec2<u32>, k: u32, slot: u32, v: vec2<i32>) -> vec4<bool> {
     if (slot & (FULL << k)) != 0u {
         return vec4<bool>(true);
@@ -20,13 +20,13 @@ fn fan(points: vec2<u32>, k: u32, slot: u32, v: vec2<i32>) -> vec4<bool> {
     return in_fan(points, v);
 }
 
-// A source's part of the code.
+// The bits of the code for source k.
 fn source(k: u32, occupied: vec4<bool>, freed: vec4<bool>) -> vec4<u32> {
     let none = vec4<u32>(0u);
     return select(select(none, vec4<u32>(FREED << (2u * k)), freed), vec4<u32>(OCCUPIED << (2u * k)), occupied);
 }
 
-// What a part says of four cells.
+// The bits of the code for part k: its lines and its fan.
 fn part(k: u32, lines: vec2<u32>, points: vec2<u32>, slot: u32, v: vec2<i32>) -> vec4<u32> {
     var occupied = vec4<bool>(false);
     if (slot & (LINES << k)) != 0u {
@@ -35,23 +35,23 @@ fn part(k: u32, lines: vec2<u32>, points: vec2<u32>, slot: u32, v: vec2<i32>) ->
     return source(k, occupied, fan(points, k, slot, v));
 }
 
-// What an update says of four cells.
-fn look_at(cone: Cone, update: Shapes, slot: u32, cell: vec2<u32>) -> Said {
+// What an update does to four cells.
+fn look_at(cone: Cone, update: Shapes, slot: u32, cell: vec2<u32>) -> Contributions {
     let v = CELL * vec2<i32>(cell) + vec2<i32>(CELL / 2) - cone.sensor;
-    var said: Said;
-    said.code = part(0u, update.lines[0], update.fans[0], slot, v) | part(1u, update.lines[1], update.fans[1], slot, v);
+    var contributions: Contributions;
+    contributions.code = part(0u, update.lines[0], update.fans[0], slot, v) | part(1u, update.lines[1], update.fans[1], slot, v);
     if (slot & ROUTINE) != 0u {
-        said.row = look(cone, cell);
+        contributions.row = look(cone, cell);
         if (update.flags & FREE_LIMIT) != 0u {
-            said.row.interior = said.row.interior & fan(update.fans[2], 2u, slot, v);
+            contributions.row.interior = contributions.row.interior & fan(update.fans[2], 2u, slot, v);
         }
         if (update.flags & ARC_LIMIT) != 0u {
-            said.row.arc = said.row.arc & fan(update.fans[3], 3u, slot, v);
+            contributions.row.arc = contributions.row.arc & fan(update.fans[3], 3u, slot, v);
         }
-        said.code = said.code | source(2u, said.row.arc, said.row.interior);
+        contributions.code = contributions.code | source(2u, contributions.row.arc, contributions.row.interior);
     }
-    said.code = select(vec4<u32>(0u), said.code, vec4<i32>(0, 1, 2, 3) < vec4<i32>(columns_of(cell)));
-    return said;
+    contributions.code = select(vec4<u32>(0u), contributions.code, vec4<i32>(0, 1, 2, 3) < vec4<i32>(columns_of(cell)));
+    return contributions;
 }
 
 @compute @workgroup_size(THREADS)
@@ -60,7 +60,7 @@ fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let at = tile.slot * PLANES * 64u + lane;
     let none = vec4<u32>(0u);
     let one = vec4<u32>(select(0u, 1u, (frame.mode & COUNT) != 0u));
-    // Bits of all three sources.
+    // The occupied bits of all three sources.
     let occupies = vec4<u32>(21u * OCCUPIED);
     // each GROUP
     let cell_GROUP = cell_of(tile, lane + GROUP * THREADS);
@@ -74,19 +74,19 @@ fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let cone = cones[entry.cone >> ENTRY_SHIFT];
         let update = shapes[entry.cone >> ENTRY_SHIFT];
         // each GROUP
-        let said_GROUP = look_at(cone, update, entry.slot, cell_GROUP);
-        let member_GROUP = said_GROUP.code != none;
+        let contributions_GROUP = look_at(cone, update, entry.slot, cell_GROUP);
+        let member_GROUP = contributions_GROUP.code != none;
         if any(member_GROUP) {
-            let on_arc_GROUP = (said_GROUP.code & occupies) != none;
+            let on_arc_GROUP = (contributions_GROUP.code & occupies) != none;
             interior_GROUP += select(none, one, member_GROUP & !on_arc_GROUP);
             arc_GROUP += select(none, one, on_arc_GROUP);
-            marks_GROUP += select(none, mark(update.number, said_GROUP.code), member_GROUP);
-            fuse_cells(cone, update.weights, said_GROUP.row, said_GROUP.code, &cells_GROUP);
+            marks_GROUP += select(none, mark(update.number, contributions_GROUP.code), member_GROUP);
+            fuse_cells(cone, update.weights, contributions_GROUP.row, contributions_GROUP.code, &cells_GROUP);
         }
         // end
         if (k - tile.entries.x) % 16u == 15u {
             // each GROUP
-            settle(&cells_GROUP);
+            renormalize(&cells_GROUP);
             // end
         }
     }
@@ -94,7 +94,7 @@ fn fuse(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     state[at + GROUP * THREADS] += interior_GROUP;
     state[at + GROUP * THREADS + 64u] += arc_GROUP;
     state[at + GROUP * THREADS + 320u] += marks_GROUP;
-    settle(&cells_GROUP);
+    renormalize(&cells_GROUP);
     store(cells_GROUP, at + GROUP * THREADS + 128u);
     // end
 }

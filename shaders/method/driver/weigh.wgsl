@@ -1,13 +1,13 @@
 // Each tile's part of each reading's evidence on its arc; twin of src/method/driver/walk.rs (weigh).
 //
-// A kernel of its own because the update needs the whole sum. What the threads' groups of four cells come to is added up in one
-// order, down the tile's four columns of groups, then across: here where a stage is in workgroup memory, else in sum.wgsl, since
-// barriers cost a software adapter more than memory does. sum.wgsl adds up the tiles.
+// A kernel of its own, because the update needs the whole sum. The evidence of the groups of four cells is added in one fixed order,
+// down the tile's four columns of groups, then across: here where a stage is in workgroup memory, else in sum.wgsl, since barriers cost
+// a software adapter more than memory does. sum.wgsl adds the tiles.
 
 @group(0) @binding(5) var<storage, read_write> parts: array<f32>;
 
-// Of each entry of a stage what its tile's 64 groups come to: single numbers, since threads that write parts of one vector race; one more
-// for each, so that entries begin in different banks.
+// The evidence of the tile's 64 groups for each entry of a stage. Single numbers, since threads that write components of one vector race;
+// a stride of one more, so that entries begin in different banks.
 const STRIDE: u32 = 65u;
 var<workgroup> held: array<f32, STAGE * STRIDE>;
 
@@ -24,8 +24,8 @@ fn part_of_tile(at: u32) -> f32 {
     return (columns.x + columns.y) + (columns.z + columns.w);
 }
 
-// What a group of four cells comes to.
-fn part_of_group(cone: Cone, row: Row, cells: ptr<function, Cells>) -> f32 {
+// The evidence of a group of four cells.
+fn part_of_group(cone: Cone, row: Row, cells: ptr<function, CellStates>) -> f32 {
     if any(row.interior | row.arc) {
         let part = weigh_cells(cone, row, cells);
         return (part.x + part.y) + (part.z + part.w);
@@ -51,11 +51,11 @@ fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
             let entry = entry_at(k, first);
             let cone = cone_at(k, first);
             let base = (k - first) * STRIDE + lane;
-            if TOLD_APART && (entry.cone & INSIDE) != 0u {
+            if SPECIALIZE_TILES && (entry.cone & INSIDE) != 0u {
                 // each GROUP
                 _ = part_of_group(cone, look_inside(cone, cell_GROUP), &cells_GROUP);
                 // end
-            } else if TOLD_APART && (entry.cone & ARC) == 0u {
+            } else if SPECIALIZE_TILES && (entry.cone & ARC) == 0u {
                 // each GROUP
                 _ = part_of_group(cone, look_before(cone, cell_GROUP), &cells_GROUP);
                 // end

@@ -88,7 +88,7 @@ fn check(size: [usize; 2], footprint: Footprint, no_echo_arcs: bool, cones: Vec<
     let batch = binning.bin(cones);
     let lists = lists(&batch);
     let (mut spare, mut inside) = (0, 0);
-    let mut parts: Vec<Vec<u32>> = vec![Vec::new(); batch.cones.len()];
+    let mut parts: Vec<Vec<u32>> = vec![Vec::new(); batch.cones().len()];
     let [across, up] = size.map(|s| s.div_ceil(TILE));
     let mut tiles: Vec<[usize; 2]> = (0..up).flat_map(|j| (0..across).map(move |i| [i, j])).collect();
     // chunk by chunk, and in each tile row by tile row
@@ -98,7 +98,7 @@ fn check(size: [usize; 2], footprint: Footprint, no_echo_arcs: bool, cones: Vec<
         let list = lists.get(&corner).map_or(&[][..], Vec::as_slice);
         assert!(list.windows(2).all(|w| w[0].index() < w[1].index()), "tile {corner:?}: not in log order");
         let mut entries = list.iter().peekable();
-        for (k, cone) in batch.cones.iter().enumerate() {
+        for (k, cone) in batch.cones().iter().enumerate() {
             let entry = entries.next_if(|e| e.index() == k);
             let (any, arc, all) = exact(cone, footprint, size, corner.map(i64::from));
             let arc = arc && (no_echo_arcs || cone.flags & NO_ECHO == 0);
@@ -119,11 +119,11 @@ fn check(size: [usize; 2], footprint: Footprint, no_echo_arcs: bool, cones: Vec<
         assert!(entries.next().is_none());
     }
     // A reading's parts stand side by side, chunk by chunk and tile row by tile row, none twice.
-    assert_eq!(batch.first_part.len(), batch.cones.len() + 1);
+    assert_eq!(batch.first_part().len(), batch.cones().len() + 1);
     for (k, parts) in parts.iter().enumerate() {
-        let own: Vec<u32> = (batch.first_part[k]..batch.first_part[k + 1]).collect();
+        let own: Vec<u32> = (batch.first_part()[k]..batch.first_part()[k + 1]).collect();
         assert_eq!(parts, &own, "parts of cone {k}");
-        assert_eq!(batch.cones[k].index as usize, k);
+        assert_eq!(batch.cones()[k].index as usize, k);
     }
     (spare, inside)
 }
@@ -211,7 +211,7 @@ fn the_number_of_threads_leaves_no_trace() {
     // 1, 2 and 7 threads cut the log into 4, 8 and 28 runs.
     for threads in [2, 7] {
         let other = bin(threads);
-        assert!(other.chunks == one.chunks && other.first_part == one.first_part && other.cones == one.cones);
+        assert!(other.chunks == one.chunks && other.first_part() == one.first_part() && other.cones() == one.cones());
     }
     // And as one reading after the other would be listed.
     let mut tiles: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
@@ -229,8 +229,8 @@ fn the_number_of_threads_leaves_no_trace() {
 fn no_readings_make_no_tiles() {
     let binning = Binning { size: GRIDS[0], footprint: Footprint::Cone, no_echo_arcs: false, only: None };
     let batch = binning.bin(Vec::new());
-    assert!(batch.chunks.is_empty() && batch.cones.is_empty());
-    assert_eq!(batch.first_part, [0]);
+    assert!(batch.chunks.is_empty() && batch.cones().is_empty());
+    assert_eq!(batch.first_part(), [0]);
 }
 
 /// 16 tiles at once in 32 bits against one by one in 64.

@@ -6,7 +6,7 @@
 
 use super::area::Area;
 use super::{Index, Selection, Store, micrometres};
-use crate::binning::batch::{Batch, ChunkList};
+use crate::binning::batch::{Batch, ChunkList, Input, ScanInput};
 use crate::geometry::layout::*;
 use crate::grid::GridSpec;
 use crate::grid::{EDGE, Place};
@@ -47,8 +47,8 @@ pub struct Most {
     pub pairs: usize,
     /// What one tile may come to, that can't be split: beams and pairs.
     pub one: [usize; 2],
-    /// How often a thread may go round its loops ([`crate::kernels::Limits::turns`]).
-    pub turns: usize,
+    /// How often a thread may go round its loops ([`crate::kernels::Limits::max_loop_iterations`]).
+    pub max_loop_iterations: usize,
 }
 
 /// Steps of a search among a scan's beams, and the walk to it: more than any takes.
@@ -142,8 +142,9 @@ impl<'a> Tiles<'a> {
             }
             // A thread keeps the squares of its nearest poses in order, for each candidate, and searches the beams of those taken.
             let held = usize::from(self.selection.neighbours.unwrap_or(0));
-            let turns = rest[..taken].iter().map(|t| t.scans.len() * (2 + held)).max().unwrap_or(0) + held * SEARCH;
-            if beams > most.one[0] || pairs > most.one[1] || turns > most.turns {
+            let iterations =
+                rest[..taken].iter().map(|t| t.scans.len() * (2 + held)).max().unwrap_or(0) + held * SEARCH;
+            if beams > most.one[0] || pairs > most.one[1] || iterations > most.max_loop_iterations {
                 return Err(Error::Resources(format!(
                     "the {} poses nearest to one tile of cells, with {beams} beams, are more than the adapter takes at once: \
                      use --backend cpu, a coarser --resolution or fewer neighbours",
@@ -170,7 +171,9 @@ impl<'a> Tiles<'a> {
             for scan in rest {
                 beams += self.store.count(*scan);
                 if taken > 0
-                    && (beams > most.beams || (taken + 1) * all.len() > most.pairs || (taken + 1) * SEARCH > most.turns)
+                    && (beams > most.beams
+                        || (taken + 1) * all.len() > most.pairs
+                        || (taken + 1) * SEARCH > most.max_loop_iterations)
                 {
                     break;
                 }
@@ -299,9 +302,9 @@ impl<'a> Tiles<'a> {
         }
         let chunks = match tiles.is_empty() {
             true => Vec::new(),
-            false => vec![ChunkList { place: [self.chunk[1], self.chunk[0]], tiles, entries, near: Vec::new() }],
+            false => vec![ChunkList { place: [self.chunk[1], self.chunk[0]], tiles, entries, cone_bounds: Vec::new() }],
         };
-        Ok(Batch { chunks, scans, beams, centres: self.centres.concat(), ..Batch::default() })
+        Ok(Batch { chunks, input: Input::Scans(ScanInput { scans, beams, centres: self.centres.concat() }) })
     }
 
     /// Whether a beam that may be the nearest of a cell of the box may touch one.

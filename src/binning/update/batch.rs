@@ -6,7 +6,7 @@
 use super::reach::regions;
 use super::region::{SPAN, SPOT, cross};
 use super::snap::Snapped;
-use crate::binning::batch::{Batch, Binning, Pair, list};
+use crate::binning::batch::{Batch, Binning, Input, Pair, UpdateInput, list};
 use crate::binning::snap::Footprint;
 use crate::geometry::layout::*;
 use rayon::prelude::*;
@@ -77,16 +77,16 @@ impl Bins {
         }
         let chunks = places.into_par_iter().map(|([row, column], pairs)| list([column, row], &pairs)).collect();
         let [outside, empty_arc] = [|r: &Run| r.outside, |r: &Run| r.empty_arc].map(|of| runs.iter().map(of).sum());
-        let mut batch = Batch { chunks, ..Batch::default() };
+        let mut input = UpdateInput::default();
         for update in updates {
-            let before = batch.points.len() as u32;
+            let before = input.points.len() as u32;
             let shift = |[from, to]: [u32; 2]| [from + before, to + before];
             let Shapes { fans, lines, .. } = update.shapes;
-            batch.shapes.push(Shapes { fans: fans.map(shift), lines: lines.map(shift), ..update.shapes });
-            batch.points.extend_from_slice(&update.points);
-            batch.cones.push(Cone { index: batch.cones.len() as u32, ..update.cone });
+            input.shapes.push(Shapes { fans: fans.map(shift), lines: lines.map(shift), ..update.shapes });
+            input.points.extend_from_slice(&update.points);
+            input.cones.push(Cone { index: input.cones.len() as u32, ..update.cone });
         }
-        Binned { batch, outside, empty_arc }
+        Binned { batch: Batch { chunks, input: Input::Updates(input) }, outside, empty_arc }
     }
 
     /// The first of these is the batch's update number `first`.

@@ -1,57 +1,65 @@
-//! Which cells of a tile an update reaches: those of its fans and lines, and of its cone.
+//! The cells of a tile that an update reaches: those of its fans and lines, and of its cone.
 
 use super::region::{Rows, in_fan, on_lines};
 use crate::geometry::bits::Bits;
-use crate::geometry::cone::Sight;
+use crate::geometry::cone::EdgeFunctions;
 use crate::geometry::layout::*;
 use crate::geometry::profile;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
-/// A tile as an update sees it.
+/// An update in a tile's list.
+pub(crate) struct Update<'a> {
+    pub entry: &'a Entry,
+    pub cone: &'a Cone,
+    pub shapes: &'a Shapes,
+    pub points: &'a [[i32; 2]],
+}
+
+/// A tile relative to an update's sensor.
 pub(crate) struct Place {
     /// Its first cell's centre from the sensor, units.
     v: [i32; 2],
-    /// The columns and rows that the grid has of it, a bit each.
+    /// A bit for each column and for each row of the tile that lies in the grid.
     within: [u32; 2],
 }
 
 impl Place {
     /// Of the tile with this lower left cell, in a grid of so many columns and rows.
     #[inline(always)]
-    pub(crate) fn of(cone: &Cone, corner: [u32; 2], size: [u32; 2]) -> Place {
+    pub fn of(cone: &Cone, corner: [u32; 2], size: [u32; 2]) -> Place {
         let v = [0, 1].map(|k| CELL * corner[k] as i32 + CELL / 2 - cone.sensor[k]);
         Place { v, within: [0, 1].map(|k| 0xffff >> (TILE - TILE.min((size[k] - corner[k]) as usize))) }
     }
 }
 
-/// Who says what of a tile's cells.
+/// The cells of a tile that each source of an update occupies or frees.
 pub(crate) struct Regions {
-    /// The two parts and the routine part occupy these.
+    /// Occupied: by the first part, the second part, the routine part.
     pub occupied: [Rows; 3],
-    /// They free these.
+    /// Freed: by the same.
     pub freed: [Rows; 3],
-    /// From the sensor, metres: where the routine part says something.
+    /// Distances from the sensor, metres, where the routine part updates a cell.
     pub distance: [[f32; TILE]; TILE],
-    /// The off-axis angle over β.
+    /// Off-axis angles over β, there.
     pub turn: [[f32; TILE]; TILE],
 }
 
 impl Regions {
-    /// Of nothing.
+    /// No cells.
     pub fn new() -> Regions {
         let (none, zeros) = ([[0; TILE]; 3], [[0.0; TILE]; TILE]);
         Regions { occupied: none, freed: none, distance: zeros, turn: zeros }
     }
 
-    /// A row's cells of which something is said.
+    /// The cells of a row that any source updates.
     #[inline(always)]
-    pub(crate) fn members(&self, y: usize) -> u32 {
+    pub fn members(&self, y: usize) -> u32 {
         let [a, b, c] = [0, 1, 2].map(|k| self.occupied[k][y] | self.freed[k][y]);
         a | b | c
     }
 
-    /// Whether something is said of a cell, and whether one is occupied.
+    /// Whether any cell is updated, and whether any is occupied.
     pub fn any(&self) -> (bool, bool) {
         let some = |rows: &Rows| rows.iter().any(|row| *row != 0);
         let arc = self.occupied.iter().any(some);
@@ -74,13 +82,15 @@ pub(crate) fn regions(
     [corner, size]: [[u32; 2]; 2],
 ) -> Regions {
     let (place, mut seen) = (Place::of(cone, corner, size), Regions::new());
-    dispatch!(Level::new(), simd => look::<_>(simd, None, &place, (entry, cone, shapes), points, &mut seen));
+    let update = Update { entry, cone, shapes, points };
+    dispatch!(Level::new(), simd => look_at::<_>(simd, None, &place, &update, &mut seen));
     seen
 }
 
-/// The cells that a shape of one fan holds, by the entry's slot.
+/// The cells in the k-th fan, by the entry's slot.
 #[inline(always)]
-fn fan<S: Simd>(simd: S, place: &Place, shapes: &Shapes, k: usize, slot: u32, points: &[[i32; 2]]) -> Rows {
+fn fan<S: Simd>(simd: S, place: &Place, update: &Update, k: usize) -> Rows {
+    let Update { entry: Entry { slot, .. }, shapes, points, .. } = *update;
     if slot & FULL << k != 0 {
         [0xffff; TILE]
     } else if slot & FAN << k != 0 {
@@ -95,16 +105,10 @@ fn range(points: &[[i32; 2]], [from, to]: [u32; 2]) -> &[[i32; 2]] {
     &points[from as usize..to as usize]
 }
 
-/// What an update says of a tile's cells; distances and angles only with a frame.
+/// Finds the cells that each source updates; distances and angles only with a frame.
 #[inline(always)]
-pub(crate) fn look<S: Simd>(
-    simd: S,
-    frame: Option<&Frame>,
-    place: &Place,
-    (entry, cone, shapes): (&Entry, &Cone, &Shapes),
-    points: &[[i32; 2]],
-    seen: &mut Regions,
-) {
+pub(crate) fn look_at<S: Simd>(simd: S, frame: Option<&Frame>, place: &Place, update: &Update, seen: &mut Regions) {
+    let Update { entry, cone, shapes, points } = *update;
     let [columns, rows] = place.within;
     let slot = entry.slot;
     for k in 0..2 {
@@ -112,7 +116,7 @@ pub(crate) fn look<S: Simd>(
         if slot & LINES << k != 0 {
             lines = on_lines(simd, range(points, shapes.lines[k]), place.v);
         }
-        let free = fan(simd, place, shapes, k, slot, points);
+        let free = fan(simd, place, update, k);
         for y in 0..TILE {
             let within = if rows >> y & 1 != 0 { columns } else { 0 };
             seen.occupied[k][y] = lines[y] & within;
@@ -124,15 +128,15 @@ pub(crate) fn look<S: Simd>(
         return;
     }
     let all = [0xffff; TILE];
-    let free = if shapes.flags & FREE_LIMIT != 0 { fan(simd, place, shapes, 2, slot, points) } else { all };
-    let arc = if shapes.flags & ARC_LIMIT != 0 { fan(simd, place, shapes, 3, slot, points) } else { all };
-    let sight = Sight::of(simd, cone, place.v, cone.flags & NO_ECHO == 0);
+    let free = if shapes.flags & FREE_LIMIT != 0 { fan(simd, place, update, 2) } else { all };
+    let arc = if shapes.flags & ARC_LIMIT != 0 { fan(simd, place, update, 3) } else { all };
+    let edges = EdgeFunctions::of(simd, cone, place.v, cone.flags & NO_ECHO == 0);
     let (inside, arcs) = (entry.cone & INSIDE != 0, entry.cone & ARC != 0);
-    for y in Bits(if inside { rows } else { sight.rows(cone, false) & rows }) {
+    for y in Bits(if inside { rows } else { edges.rows(cone, false) & rows }) {
         let row = match (inside, arcs) {
-            (true, _) => sight.inside_row(y),
-            (false, true) => sight.cone_row::<true>(cone, y),
-            (false, false) => sight.cone_row::<false>(cone, y),
+            (true, _) => edges.inside_row(y),
+            (false, true) => edges.cone_row::<true>(cone, y),
+            (false, false) => edges.cone_row::<false>(cone, y),
         };
         seen.freed[2][y] = row.interior.to_bitmask() as u32 & columns & free[y];
         seen.occupied[2][y] = row.arc.to_bitmask() as u32 & columns & arc[y];

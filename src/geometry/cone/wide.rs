@@ -12,7 +12,7 @@ fn float(magnitude: u64) -> f32 {
     (magnitude >> 32) as u32 as f32 * 4_294_967_296.0 + magnitude as u32 as f32
 }
 
-/// [`super::Sight::cone_row`] in 64 bits.
+/// [`super::EdgeFunctions::cone_row`] in 64 bits.
 #[inline(always)]
 pub fn wide_row<S: Simd>(simd: S, cone: &Cone, v: [i32; 2]) -> Row<S> {
     let ([interior, arc], [d2, across, along]) = wide_cells(cone, v);
@@ -41,7 +41,7 @@ fn wide_cells(cone: &Cone, v: [i32; 2]) -> ([u64; 2], [[f32; TILE]; 3]) {
     (regions, numbers)
 }
 
-/// [`super::Sight::axis_row`] in 64 bits: the cells before the hit, and the hit cell, a bit each.
+/// [`super::EdgeFunctions::axis_row`] in 64 bits: the cells before the hit, and the hit cell, a bit each.
 #[inline(never)]
 pub fn wide_axis_cells(cone: &Cone, v: [i32; 2]) -> [u64; 2] {
     (0..TILE).fold([0; 2], |[interior, arc], k| {

@@ -1,10 +1,10 @@
-//! HIMM with the growth-rate operator (Murphy 2000): readings one by one, in log order, for an occupied cell takes half of
-//! each neighbour's count.
+//! HIMM with the growth-rate operator (Murphy 2000): an occupied cell adds half of each neighbour's count, so that readings are applied
+//! one by one, in log order.
 
 use crate::binning::batch::Batch;
-use crate::geometry::cone::Sight;
+use crate::geometry::cone::EdgeFunctions;
 use crate::geometry::layout::*;
-use crate::kernels::Chunks;
+use crate::kernels::ChunkStates;
 use crate::method::himm::{HIT, MOST, ONE};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -13,9 +13,9 @@ use fearless_simd::{Level, dispatch};
 const WORDS: usize = 3 * TILE_CELLS;
 
 /// Applies a batch.
-pub fn apply(frame: Frame, batch: &Batch, chunks: &mut Chunks) {
-    // Tile lists turned round: each reading's tiles.
-    let mut reached: Vec<Vec<[u32; 2]>> = vec![Vec::new(); batch.cones.len()];
+pub fn apply(frame: Frame, batch: &Batch, chunks: &mut ChunkStates) {
+    // The tiles of each reading, from the readings of each tile.
+    let mut reached: Vec<Vec<[u32; 2]>> = vec![Vec::new(); batch.cones().len()];
     for list in &batch.chunks {
         for tile in &list.tiles {
             for entry in &list.entries[tile.entries[0] as usize..tile.entries[1] as usize] {
@@ -24,12 +24,12 @@ pub fn apply(frame: Frame, batch: &Batch, chunks: &mut Chunks) {
         }
     }
     let level = Level::new();
-    for (cone, tiles) in batch.cones.iter().zip(reached) {
+    for (cone, tiles) in batch.cones().iter().zip(reached) {
         // First every cell before the hit, then the hit and its growth.
         let mut hit = None;
         for corner in tiles {
             let first = [0, 1].map(|k| CELL * corner[k] as i32 + CELL / 2 - cone.sensor[k]);
-            let regions = dispatch!(level, simd => regions(Sight::of(simd, cone, first, true), cone));
+            let regions = dispatch!(level, simd => regions(EdgeFunctions::of(simd, cone, first, true), cone));
             for (y, [interior, arc]) in regions.into_iter().enumerate() {
                 for k in 0..TILE {
                     let cell = [corner[0] + k as u32, corner[1] + y as u32];
@@ -52,10 +52,10 @@ pub fn apply(frame: Frame, batch: &Batch, chunks: &mut Chunks) {
 
 /// The cells of a tile before the hit, and the hit cell: a bit each, row by row.
 #[inline(always)]
-fn regions<S: Simd>(sight: Sight<S>, cone: &Cone) -> [[u64; 2]; TILE] {
-    let (mut regions, axis) = ([[0; 2]; TILE], sight.axis(cone));
+fn regions<S: Simd>(edges: EdgeFunctions<S>, cone: &Cone) -> [[u64; 2]; TILE] {
+    let (mut regions, axis) = ([[0; 2]; TILE], edges.axis(cone));
     for (y, region) in regions.iter_mut().enumerate() {
-        let row = if cone.flags & WIDE != 0 { sight.wide_axis_row(cone, y) } else { sight.axis_row(&axis, y) };
+        let row = if cone.flags & WIDE != 0 { edges.wide_axis_row(cone, y) } else { edges.axis_row(&axis, y) };
         *region = [row.interior.to_bitmask(), row.arc.to_bitmask()];
     }
     regions
@@ -78,12 +78,12 @@ fn place(frame: Frame, [x, y]: [u32; 2]) -> Option<([u32; 2], usize)> {
     Some(([y / edge, x / edge], slot * WORDS + (cy % tile) as usize * TILE + (cx % tile) as usize))
 }
 
-fn read(chunks: &Chunks, frame: Frame, cell: [u32; 2]) -> u32 {
+fn read(chunks: &ChunkStates, frame: Frame, cell: [u32; 2]) -> u32 {
     place(frame, cell).and_then(|(key, at)| chunks.get(&key).map(|c| c[at + 2 * TILE_CELLS])).unwrap_or(0)
 }
 
 /// Changes a cell's count and counts the update in plane 0 (interior) or 1 (arc), or in neither (2).
-fn update(chunks: &mut Chunks, frame: Frame, cell: [u32; 2], plane: usize, change: impl Fn(u32) -> u32) {
+fn update(chunks: &mut ChunkStates, frame: Frame, cell: [u32; 2], plane: usize, change: impl Fn(u32) -> u32) {
     if let Some((key, at)) = place(frame, cell)
         && let Some(chunk) = chunks.get_mut(&key)
     {

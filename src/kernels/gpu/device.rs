@@ -1,6 +1,7 @@
 //! An open device: buffers, submissions, reading back, and the errors that it reports by itself.
 
-use super::adapter::{self, Found};
+use super::adapter;
+use crate::kernels::adapter::AdapterInfo;
 use crate::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::BufferUsages as Usage;
@@ -8,38 +9,38 @@ use wgpu::BufferUsages as Usage;
 /// An adapter's device and queue.
 pub struct Device {
     /// The adapter.
-    pub found: Found,
+    pub info: AdapterInfo,
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
     /// The first error that the device reported by itself: out of memory, lost.
     failure: Arc<Mutex<Option<String>>>,
-    /// Where what is read back lands, used again.
+    /// The buffer through which the host reads, used again.
     staging: Mutex<Option<wgpu::Buffer>>,
 }
 
 impl Device {
-    /// Opens the best adapter; `hardware`: a software adapter is not good enough.
+    /// Opens the best adapter; with `hardware` a software adapter is refused.
     pub fn open(hardware: bool) -> Result<Device> {
-        let (found, device, queue) = adapter::open(hardware)?;
-        Ok(Device::new(found, device, queue))
+        let (info, device, queue) = adapter::open(hardware)?;
+        Ok(Device::new(info, device, queue))
     }
 
     /// Takes over a device that is open.
-    pub fn new(found: Found, device: wgpu::Device, queue: wgpu::Queue) -> Device {
+    pub fn new(info: AdapterInfo, device: wgpu::Device, queue: wgpu::Queue) -> Device {
         let failure = Arc::new(Mutex::new(None));
         let report = failure.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             report.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.to_string());
         }));
-        Device { found, device, queue, failure, staging: Mutex::new(None) }
+        Device { info, device, queue, failure, staging: Mutex::new(None) }
     }
 
     /// The largest buffer that is bound whole, bytes.
     pub fn bindable(&self) -> usize {
-        self.found.binding.min(self.found.buffer).min(1 << 30) as usize
+        self.info.binding.min(self.info.buffer).min(1 << 30) as usize
     }
 
-    /// A buffer of zeros, to be read back and used again.
+    /// A buffer of zeros that can be read back.
     pub fn zeros(&self, label: &str, size: u64) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -65,7 +66,7 @@ impl Device {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("batch") })
     }
 
-    /// Submits the commands so far and begins anew.
+    /// Submits the commands so far and begins a new list.
     pub fn submit(&self, encoder: &mut wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
         let full = std::mem::replace(encoder, self.encoder());
         self.queue.submit([full.finish()])
@@ -74,13 +75,13 @@ impl Device {
     /// Waits for a submission, or for all.
     pub fn wait(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
         let until = wgpu::PollType::Wait { submission_index, timeout: None };
-        let lost = |e| Error::NoAdapter(format!("{} stopped answering: {e}", self.found));
+        let lost = |e| Error::NoAdapter(format!("{} stopped answering: {e}", self.info));
         self.device.poll(until).map(|_| ()).map_err(lost)
     }
 
-    /// Reads a buffer's first words back.
+    /// Copies a buffer's first bytes to the host.
     pub fn read(&self, buffer: &wgpu::Buffer, bytes: u64) -> Result<Vec<u32>> {
-        let lost = |e: &dyn std::fmt::Display| Error::NoAdapter(format!("{}: reading back failed: {e}", self.found));
+        let lost = |e: &dyn std::fmt::Display| Error::NoAdapter(format!("{}: reading back failed: {e}", self.info));
         let mut kept = self.staging.lock().unwrap_or_else(PoisonError::into_inner);
         let staging = kept.take().filter(|s| s.size() >= bytes).unwrap_or_else(|| {
             self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -106,14 +107,14 @@ impl Device {
         Ok(words)
     }
 
-    /// Fails if the device has reported an error by itself; `resident`: bytes of cells that it holds.
+    /// Fails if the device has reported an error by itself. `resident`: bytes of the chunks' cells, for the message.
     pub fn healthy(&self, resident: u64) -> Result<()> {
         match self.failure.lock().unwrap_or_else(PoisonError::into_inner).as_deref() {
             None => Ok(()),
             Some(what) => Err(Error::Resources(format!(
                 "{} failed with {} of cells resident: {what}; give smaller --bounds, a coarser --resolution, a smaller \
                  --batch, or --backend cpu",
-                self.found,
+                self.info,
                 crate::support::memory::show(resident)
             ))),
         }

@@ -1,27 +1,27 @@
-//! What each kind of pass takes on the device, from its own time stamps.
+//! Time that each kind of pass takes on the device, by the device's own time stamps.
 
 use super::device::Device;
 use crate::Result;
 use std::collections::BTreeMap;
 use wgpu::BufferUsages as Usage;
 
-/// Passes that can be under way before their stamps are read.
+/// The most passes between two reads.
 const MOST: u32 = 1024;
 const BYTES: u64 = size_of::<u64>() as u64;
 
-/// Stamps under way, and seconds so far.
+/// Time stamps not read yet, and the seconds so far.
 pub struct Timer {
     stamps: wgpu::QuerySet,
     resolved: wgpu::Buffer,
-    /// The passes whose stamps are under way.
+    /// The passes whose stamps are not read yet.
     passes: Vec<&'static str>,
-    /// More passes came than fit: the sums would be too small.
+    /// Whether there were more passes than stamps: the sums would be too small.
     overrun: bool,
     seconds: BTreeMap<&'static str, f64>,
 }
 
 impl Timer {
-    /// `None`: the device has no clock.
+    /// `None` where the device has no clock.
     pub fn new(device: &Device) -> Option<Timer> {
         device.device.features().contains(wgpu::Features::TIMESTAMP_QUERY).then(|| Timer {
             stamps: device.device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -41,7 +41,7 @@ impl Timer {
         })
     }
 
-    /// Where a pass stamps its begin and its end.
+    /// Where a pass writes the stamps of its begin and its end.
     pub fn writes(&mut self, pass: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let first = 2 * self.passes.len() as u32;
         if first >= 2 * MOST {
@@ -56,7 +56,7 @@ impl Timer {
         })
     }
 
-    /// Waits for the stamps under way and adds them up.
+    /// Waits for the stamps and adds them up.
     pub fn read(&mut self, device: &Device) -> Result<()> {
         if self.passes.is_empty() {
             return Ok(());
@@ -74,7 +74,7 @@ impl Timer {
         Ok(())
     }
 
-    /// Seconds of each kind of pass, by name; none if some went unstamped.
+    /// Seconds of each kind of pass, by name; empty if some passes had no stamps.
     pub fn seconds(self) -> Vec<(&'static str, f64)> {
         if self.overrun { Vec::new() } else { self.seconds.into_iter().collect() }
     }

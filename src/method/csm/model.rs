@@ -4,7 +4,7 @@ use super::MARKS;
 use super::layers::{self, Dirichlet, MOST};
 use crate::geometry::layout::COUNT;
 use crate::grid::Class;
-use crate::method::driver::{Job, walk_scans};
+use crate::method::driver::{Job, WrongInput, walk_scans};
 use crate::method::settings::{Csm, Settings};
 use crate::method::{Cost, Entry, LayerSpec, Method, Pass, Step, Unit};
 
@@ -23,7 +23,7 @@ const fn entry(
     cost: Cost,
     make: fn(Settings) -> Option<Box<dyn Method>>,
 ) -> Entry {
-    Entry { name, source: DOHERTY, about, wgsl: WGSL, cost, groups: 1, make }
+    Entry { name, source: DOHERTY, about, wgsl: WGSL, cost, vec4s_per_thread: 1, make }
 }
 
 /// The registry's line of the plain counting model.
@@ -143,7 +143,7 @@ impl Method for Model {
         layers::specs(&self.0)
     }
 
-    fn faint(&self, words: &[u32]) -> bool {
+    fn has_subthreshold_evidence(&self, words: &[u32]) -> bool {
         self.0.continuous && words[3..].iter().map(|w| f64::from(f32::from_bits(*w))).sum::<f64>() > LEAST
     }
 
@@ -164,8 +164,8 @@ impl Method for Model {
         }
     }
 
-    fn run(&self, _: Pass, job: &Job, state: &mut [u32]) {
-        walk_scans(&self.0, job, state);
+    fn run(&self, _: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+        walk_scans(&self.0, job, state)
     }
 }
 

@@ -1,8 +1,10 @@
-//! Each cell's nearest poses, of each the nearest beam, in log order; twin of `shaders/method/driver/scan.wgsl`.
+//! The CPU's pass over scans: each cell's nearest poses, and of each pose the nearest beam, in log order; twin of
+//! `shaders/method/driver/scan.wgsl`.
 //!
-//! Here a row of 16 cells looks for its nearest poses together, and from one cell to the next the nearest beam is walked to.
+//! The 16 cells of a row find their nearest poses together. The search for a cell's beam starts from the beam of the cell before.
 
-use super::walk::{Job, Plane};
+use super::job::{Job, ScanJob, WrongInput};
+use super::kernel::Plane;
 use crate::binning::scan::{before, place};
 use crate::geometry::layout::*;
 use crate::method::csm::{Row, update};
@@ -11,16 +13,20 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f64x8};
 
 /// Updates a tile's cells with the scans of its list.
-pub fn walk_scans(csm: &Csm, job: &Job, state: &mut [u32]) {
-    let planes: &mut [Plane] = bytemuck::cast_slice_mut(state);
-    dispatch!(Level::new(), simd => tile(simd, csm, job, planes));
+///
+/// # Errors
+/// [`WrongInput`] where the job has no scans.
+pub fn walk_scans(csm: &Csm, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+    let (job, planes): (_, &mut [Plane]) = (job.scans()?, bytemuck::cast_slice_mut(state));
+    dispatch!(Level::new(), simd => fuse(simd, csm, job, planes));
+    Ok(())
 }
 
 /// Squares of the distances of a row's cells, µm²; f64 holds them exactly while they are nearer than 90 m.
 type Squares = [f64; TILE];
 
 #[inline(always)]
-fn tile<S: Simd>(simd: S, csm: &Csm, job: &Job, planes: &mut [Plane]) {
+fn fuse<S: Simd>(simd: S, csm: &Csm, job: &ScanJob, planes: &mut [Plane]) {
     let from = job.tile.corner.map(|c| c as usize % (TILE * CHUNK));
     let [columns, rows] = [0, 1].map(|k| TILE.min((job.frame.size[k] - job.tile.corner[k]) as usize));
     let (xs, ys) = job.centres.split_at(TILE * CHUNK);
@@ -44,7 +50,8 @@ fn tile<S: Simd>(simd: S, csm: &Csm, job: &Job, planes: &mut [Plane]) {
                 touched |= taken[k];
             }
             if touched {
-                beams_of(csm, job, entry, scan, [xs, &ys[from[1] + row..]], row, &taken, &squares, planes);
+                let row = Taken { line: row, y: ys[from[1] + row], squares: &squares, taken: &taken };
+                beams_of((csm, job), (entry, scan), xs, &row, planes);
             }
         }
     }
@@ -103,29 +110,35 @@ fn nth<S: Simd>(
     (last, ties)
 }
 
-/// A row of squares in registers.
+/// The squares of a row, in two halves.
 type Halves<S> = [f64x8<S>; 2];
 
 /// No beam.
 const NONE: u32 = u32::MAX;
 
-/// Updates the taken cells of a row with the beam of a scan that is nearest to each.
-#[allow(clippy::too_many_arguments, reason = "a loop's body")]
+/// The cells of a row that take a scan.
+struct Taken<'a> {
+    /// The row in the tile.
+    line: usize,
+    /// The row's centre, µm.
+    y: i32,
+    squares: &'a Squares,
+    taken: &'a [bool; TILE],
+}
+
+/// Updates the cells of a row that take a scan, each with the scan's beam that is nearest to it.
 #[inline(always)]
 fn beams_of(
-    csm: &Csm,
-    job: &Job,
-    entry: &Entry,
-    scan: &Scan,
-    [xs, ys]: [&[i32]; 2],
-    row: usize,
-    taken: &[bool; TILE],
-    squares: &Squares,
+    (csm, job): (&Csm, &ScanJob),
+    (entry, scan): (&Entry, &Scan),
+    xs: &[i32],
+    row: &Taken,
     planes: &mut [Plane],
 ) {
+    let Taken { line, y, squares, taken } = *row;
     let beams = &job.beams[scan.first as usize..][..scan.count as usize];
     let (low, high) = (entry.slot & 0xffff, entry.slot >> 16);
-    let y = ys[0] - scan.pose[1];
+    let y = y - scan.pose[1];
     let mut seen = Row { x: [0.0; TILE], y: f64::from(y), squares: *squares, taken: [0; TILE] };
     for k in 0..TILE {
         seen.x[k] = f64::from(xs[k].wrapping_sub(scan.pose[0]));
@@ -161,7 +174,7 @@ fn beams_of(
             seen.taken[k] = u32::from(found[k] == at);
         }
         let beam = &beams[if at == scan.count { 0 } else { at as usize }];
-        update(csm, job.frame, scan.number, beam, &seen, planes, row);
+        update(csm, job.frame, scan.number, beam, &seen, planes, line);
         while next < TILE && (found[next] == at || found[next] == NONE) {
             next += 1;
         }

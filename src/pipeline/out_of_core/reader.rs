@@ -75,7 +75,7 @@ pub(super) fn binning(grid: &GridSpec, method: &dyn Method, steps: &[Step], only
     Binning {
         size: [grid.width, grid.height],
         footprint: method.footprint(),
-        no_echo_arcs: steps.contains(&Step::Tally),
+        no_echo_arcs: steps.contains(&Step::AccumulateCounts),
         only: only.map(|[row, column]| [column, row]),
     }
 }
@@ -121,7 +121,7 @@ impl Reader<'_> {
     fn split(&self, part: &Part, cones: Vec<Cone>, give: &mut Give) -> Result<bool> {
         let Part { binning, place, steps, last } = *part;
         let numbers: Vec<u32> = cones.iter().map(|c| c.index).collect();
-        let batch = binning.of(&cones, snapped, self.limits.lists);
+        let batch = binning.of(&cones, snapped, self.limits.bins_tiles);
         let sums = steps.contains(&Step::Sum);
         let fits = match &batch {
             Some(batch) => !too_large(self.method, batch, sums, self.limits, cones.len() == 1)?,

@@ -111,7 +111,7 @@ impl Scanned {
             beams,
             pairs: PAIRS.min(limits.entries),
             one: [limits.readings, limits.entries],
-            turns: limits.turns,
+            max_loop_iterations: limits.max_loop_iterations,
         };
         let mut held: Option<(Batch, f64)> = None;
         let tiles = Tiles::of(&self.grid, place, &self.store, self.index.as_ref(), self.selection);

@@ -4,7 +4,7 @@
 use super::busy::{Busy, Clock};
 use super::reader::{BinnedBatch, Reader};
 use crate::grid::{GridSpec, Place, part};
-use crate::kernels::{Backend, Chunks, Shares, shares};
+use crate::kernels::{Backend, ChunkStates, Shares, normalize_by_count};
 use crate::method::{Method, Step, Steps};
 use crate::pipeline::finished::Finished;
 use crate::pipeline::layers;
@@ -53,7 +53,7 @@ impl Round<'_> {
             let (ready, batches) = sync_channel(1);
             let (finished, words) = sync_channel(1);
             let (give_back, zeros) = sync_channel(1);
-            let give_back = backend.reuses().then_some(give_back);
+            let give_back = backend.recycles_buffers().then_some(give_back);
             let reading = scope.spawn(move || read(reader, places, traversals, &ready));
             let taking = take.map(|take| scope.spawn(move || finish(grid, method, &words, give_back.as_ref(), take)));
             let kernels = self.kernels(backend, found, Queues { batches, finished, zeros, last });
@@ -68,16 +68,16 @@ impl Round<'_> {
     fn kernels(&self, backend: &mut dyn Backend, found: &mut [u32], queues: Queues) -> Result<f64> {
         let Queues { batches, finished, zeros, last: last_round } = queues;
         let rounds = self.method.rounds().unwrap_or_default();
-        let counted = rounds.iter().copied().flatten().any(|steps| steps.contains(&Step::Tally));
+        let counted = rounds.iter().copied().flatten().any(|steps| steps.contains(&Step::AccumulateCounts));
         let mut clock = Clock::start();
         while let Ok(batch) = clock.wait(|| batches.recv()) {
             let BinnedBatch { place, steps, batch, numbers, readings, last } = batch?;
             let before = numbers.iter().map(|n| found.get(*n as usize).copied().unwrap_or(0));
             let mut share: Shares = match last_round && counted {
-                true => shares(self.method, before, &batch.cones),
+                true => normalize_by_count(self.method, before, batch.cones()),
                 false => before.map(|word| [word, 0, 0, 0]).collect(),
             };
-            zeros.try_iter().for_each(|zeros| backend.spare(zeros));
+            zeros.try_iter().for_each(|zeros| backend.recycle(zeros));
             backend.apply(self.method, frame(self.grid, self.method), &batch, steps, &mut share)?;
             if !last_round {
                 numbers.iter().zip(&share).for_each(|(n, s)| found[*n as usize] = s[0]);
@@ -90,9 +90,9 @@ impl Round<'_> {
                 if clock.wait(|| finished.send((place, words))).is_err() {
                     break;
                 }
-            } else if backend.reuses() {
+            } else if backend.recycles_buffers() {
                 words.fill(0);
-                backend.spare(words);
+                backend.recycle(words);
             }
         }
         Ok(clock.worked())
@@ -138,7 +138,7 @@ fn finish(
 ) -> Result<f64> {
     let mut clock = Clock::start();
     while let Ok((place, words)) = clock.wait(|| words.recv()) {
-        let mut cells: Chunks = [([0, 0], words)].into();
+        let mut cells: ChunkStates = [([0, 0], words)].into();
         let finished = layers::from_chunks(&part(grid, place), method, &cells);
         if let (Some(give_back), Some((_, mut words))) = (give_back, cells.pop_first()) {
             words.fill(0);

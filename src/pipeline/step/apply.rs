@@ -22,7 +22,7 @@ pub const WINDOW: usize = 2048;
 /// A sweep's steps, which hand what they found for each reading to the host.
 fn handing(steps: &[Step]) -> Vec<Step> {
     let hand = |step: &Step| match step {
-        Step::Sum | Step::Share => vec![*step, Step::Hand],
+        Step::Sum | Step::NormalizeByCount => vec![*step, Step::ReadBack],
         _ => vec![*step],
     };
     steps.iter().flat_map(hand).collect()
@@ -33,7 +33,7 @@ pub(super) fn binning(session: &Session, steps: &[Step]) -> Binning {
     Binning {
         size: [session.grid.width, session.grid.height],
         footprint: session.method.footprint(),
-        no_echo_arcs: steps.contains(&Step::Share),
+        no_echo_arcs: steps.contains(&Step::NormalizeByCount),
         only: None,
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::geometry::layout::{CHUNK, TILE, TILE_CELLS};
 use crate::grid::Class;
-use crate::kernels::Chunks;
+use crate::kernels::ChunkStates;
 use crate::method::Method;
 use std::collections::BTreeSet;
 
@@ -45,7 +45,7 @@ impl Cell {
     /// Of a method's cell with these words; no words: nothing reached it.
     pub fn of(method: &dyn Method, words: Option<&[u32]>) -> Cell {
         let mut values: Vec<f32> = method.layers().iter().map(|l| l.fill).collect();
-        let seen = words.filter(|w| w[0] + w[1] > 0 || method.faint(w));
+        let seen = words.filter(|w| w[0] + w[1] > 0 || method.has_subthreshold_evidence(w));
         let class = seen.map_or(Class::Unknown, |words| method.values(words, &mut values));
         let combined = if seen.is_some() { method.combined(&values, class) } else { 0.0 };
         let count = |k: usize| words.map_or(0, |w| w[k]);
@@ -66,13 +66,13 @@ pub(crate) fn tile_at(chunk: [u32; 2], slot: u32) -> [u32; 2] {
 }
 
 /// The words of the tile in this row and column, plane by plane, of so many planes; `None`: its chunk isn't there.
-pub fn tile_of(chunks: &Chunks, planes: usize, tile: [u32; 2]) -> Option<&[u32]> {
+pub fn tile_of(chunks: &ChunkStates, planes: usize, tile: [u32; 2]) -> Option<&[u32]> {
     let ((chunk, slot), words) = (place(tile), planes * TILE_CELLS);
     chunks.get(&chunk)?.get(slot * words..(slot + 1) * words)
 }
 
 /// The words of a cell, one of each plane; `None`: all of them are 0, or its chunk isn't there.
-pub fn cell_of(chunks: &Chunks, planes: usize, column: usize, row: usize) -> Option<Vec<u32>> {
+pub fn cell_of(chunks: &ChunkStates, planes: usize, column: usize, row: usize) -> Option<Vec<u32>> {
     let tile = tile_of(chunks, planes, [(row / TILE) as u32, (column / TILE) as u32])?;
     let words = words_at(tile, planes, row % TILE * TILE + column % TILE);
     words.iter().any(|w| *w != 0).then_some(words)

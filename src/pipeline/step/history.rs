@@ -12,7 +12,7 @@ use crate::binning::batch::Batch;
 use crate::binning::snap::region;
 use crate::binning::update::Bins;
 use crate::geometry::layout::{CHUNK, COUNT, Frame, TILE, TILE_CELLS};
-use crate::method::driver::Job;
+use crate::method::driver::{Job, TileTask};
 use crate::method::settings::Settings;
 use crate::method::{self, Pass, Step};
 use crate::oracle;
@@ -109,7 +109,7 @@ impl Stepper {
             binning.only = Some([(column / (TILE * CHUNK)) as u32, (row / (TILE * CHUNK)) as u32]);
             for (k, _, cone) in touching.iter().filter(|t| sweeps.len() == 1 || t.1 == (sweep > 0)) {
                 let share = self.shares.get(*k).copied().unwrap_or_default();
-                run.apply(*k, &binning.bin(vec![*cone]), steps, share, &mut events);
+                run.apply(*k, &binning.bin(vec![*cone]), steps, share, &mut events)?;
             }
         }
         Ok(events)
@@ -128,7 +128,7 @@ impl Stepper {
                 continue;
             }
             let Some(snapped) = snap_update(self.session(), update)? else { continue };
-            run.apply(k, &bins.bin(&[snapped]).batch, self.method().sweeps()[0], [0; 4], &mut events);
+            run.apply(k, &bins.bin(&[snapped]).batch, self.method().sweeps()[0], [0; 4], &mut events)?;
         }
         Ok(events)
     }
@@ -182,21 +182,27 @@ impl Run<'_> {
     }
 
     /// Applies a batch of one item to the tile, and notes what it did to the cell.
-    fn apply(&mut self, item: usize, batch: &Batch, steps: &[Step], share: [u32; 4], events: &mut Vec<Event>) {
+    fn apply(
+        &mut self,
+        item: usize,
+        batch: &Batch,
+        steps: &[Step],
+        share: [u32; 4],
+        events: &mut Vec<Event>,
+    ) -> Result<()> {
         let lists = batch.chunks.iter().flat_map(|list| list.tiles.iter().map(move |tile| (list, tile)));
-        let Some((list, tile)) = lists.into_iter().find(|(_, tile)| tile.corner == self.corner) else { return };
+        let Some((list, tile)) = lists.into_iter().find(|(_, tile)| tile.corner == self.corner) else { return Ok(()) };
         let entries = &list.entries[tile.entries[0] as usize..tile.entries[1] as usize];
         let planes = method::planes(self.stepper.method());
         let before = words_at(&self.state, planes, self.at);
         for step in steps {
             let Step::Pass(Pass::Fuse, mode) = *step else { continue };
             let frame = Frame { mode: mode | COUNT, ..self.frame };
-            let Batch { cones, scans, beams, centres, shapes, points, .. } = batch;
             let shares = &[share];
-            let job =
-                Job { frame: &frame, cones, tile, entries, parts: &[], shares, scans, beams, centres, shapes, points };
-            self.stepper.method().run(Pass::Fuse, &job, &mut self.state);
+            let job = Job::new(TileTask { frame: &frame, tile, entries }, &batch.input, &[], shares);
+            self.stepper.method().run(Pass::Fuse, &job, &mut self.state)?;
         }
         events.extend(event(self.stepper, item, &before, &words_at(&self.state, planes, self.at)));
+        Ok(())
     }
 }

@@ -28,7 +28,7 @@ pub use working::{CellStory, Explained, explain};
 
 use crate::Result;
 use crate::grid::GridSpec;
-use crate::kernels::Chunks;
+use crate::kernels::ChunkStates;
 use crate::kernels::cpu::Cpu;
 use crate::method::{self, Method};
 use crate::pipeline::finished::Finished;
@@ -103,7 +103,7 @@ impl Stepper {
     }
 
     /// The cells, as the kernels hold them.
-    pub fn chunks(&self) -> &Chunks {
+    pub fn chunks(&self) -> &ChunkStates {
         self.cpu.chunks()
     }
 

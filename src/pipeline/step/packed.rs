@@ -57,7 +57,7 @@ impl Stepper {
                 binning(session, steps).bin(cones.collect())
             }
         };
-        let any = |flag: u32| batch.cones.iter().any(|c: &Cone| c.flags & flag != 0);
+        let any = |flag: u32| batch.cones().iter().any(|c: &Cone| c.flags & flag != 0);
         let (wide, broad) = (any(WIDE), any(BROAD));
         Ok(Packed { batch, frame: frame(self.grid(), self.method()), wide, broad })
     }

@@ -27,7 +27,7 @@ pub struct Scanned {
 }
 
 /// What a batch may come to.
-const MOST: Most = Most { beams: 1 << 20, pairs: PAIRS, one: [1 << 27; 2], turns: usize::MAX };
+const MOST: Most = Most { beams: 1 << 20, pairs: PAIRS, one: [1 << 27; 2], max_loop_iterations: usize::MAX };
 
 impl Scanned {
     /// All of a session's.

@@ -1,7 +1,7 @@
 //! Snapshots of the map at places of the log: of each only the tiles that changed since the one before.
 
 use super::cells::{Tiles, place};
-use crate::kernels::Chunks;
+use crate::kernels::ChunkStates;
 use std::collections::BTreeMap;
 
 /// Places of the log at which snapshots are kept, at most.
@@ -38,7 +38,7 @@ impl Snapshots {
     }
 
     /// Notes that tiles changed on the way to a position, and keeps a snapshot there where one is due.
-    pub fn keep(&mut self, position: usize, words: usize, chunks: &Chunks, changed: &Tiles) {
+    pub fn keep(&mut self, position: usize, words: usize, chunks: &ChunkStates, changed: &Tiles) {
         let last = self.kept.last().copied().unwrap_or(0);
         if position <= last {
             return;
@@ -84,7 +84,7 @@ impl Snapshots {
     }
 
     /// Sets the cells to the last snapshot not after a position; returns its position, and adds to `reached` what may have changed.
-    pub fn restore(&mut self, position: usize, words: usize, chunks: &mut Chunks, reached: &mut Tiles) -> usize {
+    pub fn restore(&mut self, position: usize, words: usize, chunks: &mut ChunkStates, reached: &mut Tiles) -> usize {
         let at = self.kept.iter().copied().rfind(|kept| *kept <= position).unwrap_or(0);
         let changed = |versions: &Versions| versions.range(at + 1..).next().is_some();
         let mut stale: Tiles = self.tiles.iter().filter(|(_, v)| changed(v)).map(|(tile, _)| *tile).collect();

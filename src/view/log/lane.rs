@@ -1,6 +1,6 @@
 //! A lane: one method with its parameters, stepping through the log.
 
-use crate::kernels::Chunks;
+use crate::kernels::ChunkStates;
 use crate::method::{self, Unit};
 use crate::pipeline::step::{Items, Stepper, Tiles, tile_at};
 use crate::view::protocol::LaneSpec;
@@ -12,7 +12,7 @@ pub struct Lane {
     /// What the user requested.
     pub spec: LaneSpec,
     /// The cells that the page computed on the browser's GPU.
-    pub webgpu: Option<Chunks>,
+    pub webgpu: Option<ChunkStates>,
     /// Tiles that changed since the last state that the page got.
     pub changed: Tiles,
     /// Tiles that changed since the page last sent its cells; all tiles where it never did.

@@ -3,7 +3,7 @@
 use super::lane::Lane;
 use super::views::{DIFFERENCE, LaneView, ViewContent, level0_tiles, views};
 use crate::geometry::layout::{TILE, TILE_CELLS};
-use crate::kernels::Chunks;
+use crate::kernels::ChunkStates;
 use crate::method::{self, Method};
 use crate::pipeline::step::{Tiles, tile_of};
 use crate::view::pyramid::{LayerKey, Pyramid, PyramidLayer};
@@ -86,7 +86,7 @@ pub fn tile(pyramid: &Pyramid, lanes: &[Lane], request: &Request) -> Result<Resp
     }
 }
 
-fn chunks_of(lane: &Lane, webgpu: bool) -> &Chunks {
+fn chunks_of(lane: &Lane, webgpu: bool) -> &ChunkStates {
     match &lane.webgpu {
         Some(chunks) if webgpu => chunks,
         _ => lane.stepper.chunks(),
@@ -95,7 +95,7 @@ fn chunks_of(lane: &Lane, webgpu: bool) -> &Chunks {
 
 /// The values of a tile of level 0; `None` where no reading reached any of it.
 fn values(
-    chunks: &Chunks,
+    chunks: &ChunkStates,
     method: &dyn Method,
     content: ViewContent,
     extent: [usize; 2],
@@ -125,7 +125,7 @@ fn values(
 /// A cell's value in a view; NaN where no reading reached it.
 fn value(method: &dyn Method, words: &[u32], layers: &mut [f32], content: ViewContent) -> f32 {
     let updates = words[0] + words[1];
-    if updates == 0 && !method.faint(words) {
+    if updates == 0 && !method.has_subthreshold_evidence(words) {
         return f32::NAN;
     }
     let class = method.values(words, layers);

@@ -1,10 +1,11 @@
 //! A lane on the browser's own GPU, towards the page: the project's WGSL, and the packed batches.
 
 use super::lane::Lane;
+use crate::binning::batch::Input;
 use crate::geometry::layout::{CHUNK, Frame};
-use crate::kernels::gpu::part_bytes;
-use crate::kernels::gpu::shader::{self, Kernel};
-use crate::method::{self, Step, Unit};
+use crate::kernels::shader::part_bytes;
+use crate::kernels::shader::{self, Kernel};
+use crate::method::{self, Step};
 use crate::pipeline::step::{Packed, steps};
 use crate::view::protocol::{GpuBatch, GpuBuffer, GpuChunk, GpuPlan, GpuShader, GpuSpan, GpuStep};
 use crate::view::{Request, Response};
@@ -30,7 +31,7 @@ fn gpu_step(step: &Step) -> GpuStep {
     match step {
         Step::Pass(pass, mode) => GpuStep { kernel: Some(Kernel::from(*pass).name()), mode: Some(*mode), share: None },
         Step::Sum => GpuStep { kernel: Some(Kernel::Sum.name()), ..GpuStep::default() },
-        Step::Share | Step::Hand | Step::Tally => GpuStep { share: Some(true), ..GpuStep::default() },
+        Step::NormalizeByCount | Step::ReadBack | Step::AccumulateCounts => GpuStep { share: Some(true), ..GpuStep::default() },
     }
 }
 
@@ -42,7 +43,7 @@ pub fn wgsl(lane: &Lane, request: &Request) -> Result<Response> {
     let Some(kernel) = all.into_iter().find(|k| k.name() == name) else {
         return Err(Error::Usage(format!("there is no kernel {name}: there are weigh, count, fuse, sum")));
     };
-    let source = shader::source(lane.stepper.method(), kernel, request.query_number("wide")? != 0, 1);
+    let source = shader::source(lane.stepper.method(), kernel, request.query_number("wide")? != 0, 1)?;
     Ok(Response::Bytes("text/plain; charset=utf-8", source.into_bytes()))
 }
 
@@ -80,13 +81,16 @@ pub fn batch(lane: &Lane, request: &Request) -> Result<Response> {
     let method = lane.stepper.method();
     let steps = steps(method, lane.stepper.items())?;
     let mut bytes = Buffers::default();
-    let shares = vec![[0u32; 4]; batch.cones.len()];
-    // Updates bind their shapes in place of shares, and points in place of parts.
-    let (second, third): (&[u8], &[u8]) = match method.unit() {
-        Unit::Update => (cast_slice(&batch.shapes), cast_slice(&batch.points)),
-        _ => (cast_slice(&shares), cast_slice(&batch.first_part)),
+    let readings = batch.cones().len();
+    let shares = vec![[0u32; 4]; readings];
+    // In the order of the WGSL's bindings 1, 6 and 7, whose names the page keeps for every kind of input.
+    let contents: [&[u8]; 3] = match &batch.input {
+        Input::Cones(input) => [cast_slice(&input.cones), cast_slice(&shares), cast_slice(&input.first_part)],
+        Input::Scans(input) => [cast_slice(&input.scans), cast_slice(&input.centres), cast_slice(&input.beams)],
+        Input::Updates(input) => [cast_slice(&input.cones), cast_slice(&input.shapes), cast_slice(&input.points)],
     };
-    let buffers = [("cones", cast_slice(&batch.cones)), ("shares", second), ("first_part", third)];
+    let [cones, second, third] = contents;
+    let buffers = [("cones", cones), ("shares", second), ("first_part", third)];
     let buffers = buffers.map(|(name, content)| GpuBuffer { name, span: bytes.add(content) }).to_vec();
     let frame = bytes.add(bytes_of(&Frame { mode: 0, ..frame }));
     let chunk = |list: &crate::binning::batch::ChunkList| GpuChunk {
@@ -98,14 +102,14 @@ pub fn batch(lane: &Lane, request: &Request) -> Result<Response> {
     };
     let chunks = batch.chunks.iter().map(chunk).collect();
     let parts_bytes = match steps.contains(&Step::Sum) {
-        true => batch.first_part.last().copied().unwrap_or(0) as usize * part_bytes(false),
-        false => batch.cones.len() * 4,
+        true => batch.parts() * part_bytes(false),
+        false => readings * 4,
     };
     let head = GpuBatch {
         from: range.start,
         to: range.end,
         frame,
-        readings: batch.cones.len(),
+        readings: readings,
         parts_bytes: parts_bytes.max(16),
         shaders: shaders(request, method, &steps, wide, broad),
         buffers,
@@ -133,7 +137,7 @@ fn shaders(
         let kernel = match step {
             Step::Pass(pass, _) => Kernel::from(*pass),
             Step::Sum => Kernel::Sum,
-            Step::Share | Step::Hand | Step::Tally => continue,
+            Step::NormalizeByCount | Step::ReadBack | Step::AccumulateCounts => continue,
         };
         let mut constants = BTreeMap::new();
         if kernel != Kernel::Sum {

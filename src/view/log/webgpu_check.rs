@@ -3,7 +3,7 @@
 use super::lane::Lane;
 use super::webgpu_batch::pack;
 use crate::geometry::layout::{CHUNK, TILE, TILE_CELLS};
-use crate::kernels::{self, Chunks};
+use crate::kernels::{self, ChunkStates};
 use crate::method;
 use crate::pipeline::step::{Cell, Tiles, cell_of, tile_at, tile_of};
 use crate::view::protocol::{GpuCheck, finite};
@@ -21,11 +21,11 @@ fn body_words(request: &Request) -> Result<Vec<u32>> {
 /// Each reading's share from its count of arc cells.
 pub fn share(lane: &Lane, request: &Request) -> Result<Response> {
     let (packed, counts) = (pack(lane, request)?, body_words(request)?);
-    let cones = &packed.batch.cones;
+    let cones = packed.batch.cones();
     if counts.len() != cones.len() {
         return Err(Error::Usage(format!("{} counts were sent for {} readings", counts.len(), cones.len())));
     }
-    let shares = kernels::shares(lane.stepper.method(), counts.into_iter(), cones);
+    let shares = kernels::normalize_by_count(lane.stepper.method(), counts.into_iter(), cones);
     Ok(Response::Bytes("application/octet-stream", bytemuck::cast_slice(&shares).to_vec()))
 }
 
@@ -51,7 +51,7 @@ pub fn words(lane: &mut Lane, request: &Request) -> Result<(GpuCheck, Tiles)> {
     if let Some(tile) = tiles.chunks_exact(3).find(|t| !within(t)) {
         return Err(Error::Usage(format!("no reading reached tile {tile:?}")));
     }
-    let page = lane.webgpu.get_or_insert_with(Chunks::new);
+    let page = lane.webgpu.get_or_insert_with(ChunkStates::new);
     let mut reached = Tiles::new();
     for (tile, sent) in tiles.chunks_exact(3).zip(words.chunks_exact(size)) {
         let (chunk, slot) = ([tile[1], tile[0]], tile[2]);
@@ -70,7 +70,7 @@ pub fn words(lane: &mut Lane, request: &Request) -> Result<(GpuCheck, Tiles)> {
 
 /// Compares the page's tiles with the CPU's.
 fn compare(lane: &Lane, tiles: &Tiles) -> GpuCheck {
-    let (method, none) = (lane.stepper.method(), Chunks::new());
+    let (method, none) = (lane.stepper.method(), ChunkStates::new());
     let (own, page) = (lane.stepper.chunks(), lane.webgpu.as_ref().unwrap_or(&none));
     let planes = method::planes(method);
     let (mut cells, mut membership, mut values, mut largest) = (0u64, 0u64, 0u64, 0f64);

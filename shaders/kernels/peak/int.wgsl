@@ -1,4 +1,4 @@
-// The same in 32-bit integers, a multiplication and an addition a step; twin of src/kernels/ceiling.rs (whole).
+// The same in 32-bit integers, a multiplication and an addition a step; twin of src/kernels/peak.rs (whole).
 
 @group(0) @binding(0) var<storage, read> source: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> sink: array<vec4<f32>>;

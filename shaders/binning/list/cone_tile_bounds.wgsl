@@ -1,14 +1,15 @@
-// Which cones' boxes meet which block of tiles, in log order; twin of src/binning/batch/near.rs.
+// Sorts cones into blocks of tiles by their boxes, in log order; twin of src/binning/batch/cone_tile_bounds.rs.
 //
-// For each segment of a chunk's cones and each block a list. A workgroup is a block and a segment, a thread a cone of WORKERS at a time.
+// Each segment of a chunk's cones has a list for each block. A workgroup is a block and a segment; it visits WORKERS cones at a time, a
+// thread each.
 
-@group(0) @binding(0) var<uniform> lists: Lists;
-@group(0) @binding(1) var<storage, read> near: array<Near>;
+@group(0) @binding(0) var<uniform> params: BinningParams;
+@group(0) @binding(1) var<storage, read> bounds: array<ConeTileBounds>;
 @group(0) @binding(2) var<storage, read_write> blocks: array<u32>;
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
 
 @compute @workgroup_size(WORKERS)
-fn near_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+fn sort_into_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let low = BLOCK * vec2<u32>(group.x % BLOCKS, group.x / BLOCKS);
     let high = low + BLOCK;
     let block = group.y * BLOCKS * BLOCKS + group.x;
@@ -17,8 +18,8 @@ fn near_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     for (var turn = 0u; turn < SEGMENT / WORKERS; turn++) {
         let k = group.y * SEGMENT + turn * WORKERS + lane;
         var meets = false;
-        if k < lists.near {
-            let box = near[k];
+        if k < params.cones {
+            let box = bounds[k];
             meets = all(box.low < high) && all(box.high > low);
         }
         let place = rank(lane, turn, meets);

@@ -1,4 +1,4 @@
-// How fast the adapter reads and writes its memory, sixteen bytes a thread; twin of src/kernels/ceiling.rs (cpu).
+// How fast the adapter reads and writes its memory, sixteen bytes a thread; twin of src/kernels/peak.rs (cpu).
 
 @group(0) @binding(0) var<storage, read> source: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> sink: array<vec4<f32>>;

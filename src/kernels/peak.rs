@@ -1,5 +1,5 @@
-//! What a processor can do at most, measured by kernels that do nothing else: the bar that throughput is held against; twins
-//! of `shaders/kernels/ceiling/*.wgsl`.
+//! The peak rates of a processor (its roofline), against which throughput is compared. Kernels that only compute, or only copy, measure
+//! them; twins of `shaders/kernels/peak/*.wgsl`.
 
 use crate::Result;
 use fearless_simd::{Level, dispatch};
@@ -8,9 +8,9 @@ use serde::Serialize;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// The most that a backend was seen to do.
+/// The highest rates measured on a backend.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Ceilings {
+pub struct Peaks {
     /// f32 operations a second, a fused multiplication and addition counted as two.
     pub flop: f64,
     /// 32-bit integer operations a second, a multiplication and an addition counted as two.
@@ -19,13 +19,13 @@ pub struct Ceilings {
     pub bytes: f64,
 }
 
-/// Values in flight for each thread: more than any register file's latency hides.
+/// Independent chains of operations in each thread: enough to hide the latency of any operation.
 const CHAINS: usize = 128;
 const STEPS: usize = 400_000;
-/// Bytes that a thread copies: more than its caches hold.
+/// Bytes that a thread copies: more than the caches hold.
 const COPY: usize = 64 << 20;
 
-/// Runs go on for so long, seconds: a processor that was idle or is shared takes a while to show its best.
+/// Runs are repeated for at least this long, seconds: a processor that was idle or is shared needs a while to reach its peak.
 const LONG_ENOUGH: f64 = 0.25;
 
 /// Seconds of the fastest of at least five runs.
@@ -58,8 +58,8 @@ fn whole(values: &mut [i32; CHAINS], x: i32, y: i32) {
     }
 }
 
-/// The ceilings of so many threads together, those of the pool that this is called in.
-pub fn cpu(threads: usize) -> Result<Ceilings> {
+/// The peak rates of so many threads together, in the thread pool of the caller.
+pub fn cpu(threads: usize) -> Result<Peaks> {
     let level = Level::new();
     let each = |work: &(dyn Fn() + Sync)| (0..threads).into_par_iter().for_each(|_| work());
     let steps = (2 * CHAINS * STEPS * threads) as f64;
@@ -86,5 +86,5 @@ pub fn cpu(threads: usize) -> Result<Ceilings> {
         buffers.par_iter_mut().for_each(|(from, to)| to.copy_from_slice(black_box(from)));
         Ok(())
     })?;
-    Ok(Ceilings { flop: steps / flop, int: steps / int, bytes: (2 * COPY * threads) as f64 / copy })
+    Ok(Peaks { flop: steps / flop, int: steps / int, bytes: (2 * COPY * threads) as f64 / copy })
 }

@@ -1,4 +1,4 @@
-// How fast the adapter multiplies and adds: a thread's sixteen chains of fused f32 operations; twin of src/kernels/ceiling.rs (fused).
+// How fast the adapter multiplies and adds: a thread's sixteen chains of fused f32 operations; twin of src/kernels/peak.rs (fused).
 
 @group(0) @binding(0) var<storage, read> source: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> sink: array<vec4<f32>>;
