@@ -1,4 +1,4 @@
-//! Class labels: what they are called, and in which colours they are shown (`--classes`, a TOML file).
+//! The names and colours of class labels (`--classes`, a TOML file).
 //!
 //! ```toml
 //! [[class]]            # label 1, then 2, …
@@ -39,7 +39,7 @@ struct Row {
     colour: Option<String>,
 }
 
-/// The file for logs whose format has labels without names.
+/// The classes of logs whose format has labels without names.
 const ROOMS: &str = include_str!("../../classes/rooms.toml");
 const FREE: [u8; 3] = [0xf4, 0xf6, 0xf8];
 
@@ -49,7 +49,7 @@ impl Classes {
     /// # Errors
     /// [`Error::Input`] with the line: unreadable, not TOML, an unknown key, a colour that is none, no class or too many.
     pub fn open(path: &Path) -> Result<Classes> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::input(path, format!("classes file: {e}")))?;
+        let text = std::fs::read_to_string(path).map_err(|e| Error::caused(path, format!("classes file: {e}"), e))?;
         Classes::parse(path, &text)
     }
 
@@ -84,19 +84,19 @@ impl Classes {
         Some(Classes { names, palette: Palette::of(colours)? })
     }
 
-    /// Classes of these names in colours that are easily told apart; `None` where there are none or too many.
+    /// Classes of these names in colours that are easy to distinguish; `None` for no names or too many.
     pub fn named(names: &[String]) -> Option<Classes> {
         let colours: Vec<[u8; 3]> = (0..names.len()).map(|k| distinct(k, names.len())).chain([FREE]).collect();
         Classes::of(names.iter().cloned().chain(["free".to_string()]).collect(), &colours)
     }
 
-    /// How many class labels there are, "free" left out.
+    /// The number of class labels, without "free".
     pub fn count(&self) -> usize {
         self.palette.classes()
     }
 }
 
-/// The k-th of some colours.
+/// The `k`-th of `count` colours that are easy to distinguish.
 fn distinct(k: usize, count: usize) -> [u8; 3] {
     let colour = match count {
         ..=10 => colorous::TABLEAU10[k.min(9)],

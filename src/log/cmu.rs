@@ -16,7 +16,7 @@ use crate::sensor::{Description, Kind};
 const BEAMS: u32 = 180;
 /// Fields of a scan: the tag, two poses, the ranges and the time.
 const SCAN_FIELDS: usize = 1 + 6 + BEAMS as usize + 1;
-/// The laser's place, metres ahead of the robot's centre.
+/// The laser's position, metres in front of the robot's centre.
 const LASER_X: f64 = 0.25;
 
 /// The format.
@@ -41,7 +41,7 @@ impl Format for Cmu {
                 _ => return false,
             };
             let rest: Vec<&str> = fields.collect();
-            // A first line of a cut file, or one with a beam too few, still tells.
+            // The first line of a file may be cut off, or lack a beam.
             rest.iter().all(|field| field.parse::<f64>().is_ok()) && rest.len().abs_diff(wanted - 1) <= wanted / 8
         })
     }

@@ -1,6 +1,7 @@
 //! echogrid's own log as CSV: a row of names, then a row a reading. A first line `# {"echogrid_log":1,…}` carries the header
 //! of the JSON Lines format; without it the sensors are unknown ones, found on a first scan of the `sensor` column.
 
+use super::cells::split_cells;
 use super::fields::{FIELD_NAMES, ReadingFields, RecordBuilder, SensorName};
 use super::format::{Format, LogPath, Probe, RecordQueue, ScanReader, Source};
 use super::input::Input;
@@ -14,7 +15,6 @@ use super::values::quote;
 use crate::sensor::{Description, Kind};
 use crate::support::similar::similar;
 use crate::{Error, Result};
-use std::borrow::Cow;
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -34,7 +34,7 @@ impl Format for Csv {
     fn sniff(&self, probe: &Probe<'_>) -> bool {
         let Probe::Text(text) = probe else { return false };
         let Some(first) = text.lines().find(|l| !l.trim().is_empty()) else { return false };
-        let known = split(first).iter().filter(|name| FIELD_NAMES.contains(&name.as_ref())).count();
+        let known = split_cells(first, b',').iter().filter(|name| FIELD_NAMES.contains(&name.as_ref())).count();
         first.trim_start().strip_prefix('#').is_some_and(|rest| rest.trim_start().starts_with('{')) || known >= 3
     }
 
@@ -66,7 +66,7 @@ impl Format for Csv {
             }
         };
         let names = lines.number();
-        // The kind that is asked for is what the unknown sensors are; only a header can tell it apart.
+        // Without a header all sensors are taken to be of the requested kind.
         let only = if header.is_some() { kind } else { None };
         let (header, line) = match header {
             Some((header, line)) => (header, Some(line)),
@@ -76,10 +76,10 @@ impl Format for Csv {
     }
 }
 
-/// What each column holds: an index into [`FIELD_NAMES`].
+/// The field of each column, an index into [`FIELD_NAMES`].
 fn columns(line: &str) -> std::result::Result<Vec<usize>, String> {
     let mut columns = Vec::new();
-    for name in split(line) {
+    for name in split_cells(line, b',') {
         match FIELD_NAMES.iter().position(|n| *n == name) {
             Some(column) if columns.contains(&column) => return Err(format!("two columns are called {name}")),
             Some(column) => columns.push(column),
@@ -94,7 +94,7 @@ fn columns(line: &str) -> std::result::Result<Vec<usize>, String> {
     Ok(columns)
 }
 
-/// The sensors of a log that describes none.
+/// The sensors of a log without a header: the ids of the column `sensor`.
 fn unknown(mut lines: LineReader, columns: &[usize], kind: Option<Kind>) -> Result<Vec<Description>> {
     let mut seen = HashSet::new();
     let mut ids: Vec<String> = Vec::new();
@@ -105,7 +105,7 @@ fn unknown(mut lines: LineReader, columns: &[usize], kind: Option<Kind>) -> Resu
             Err(Problem::Line(_)) => continue,
             Ok(line) => line.trim(),
         };
-        if let Some(id) = column.and_then(|c| split(line).into_iter().nth(c))
+        if let Some(id) = column.and_then(|c| split_cells(line, b',').into_iter().nth(c))
             && !id.is_empty()
             && !line.starts_with('#')
             && ids.len() < MAX_SENSORS
@@ -116,17 +116,6 @@ fn unknown(mut lines: LineReader, columns: &[usize], kind: Option<Kind>) -> Resu
     }
     let ids = expand_indices(ids);
     Ok(ids.into_iter().map(|id| Description { id: Some(id), kind, ..Description::default() }).collect())
-}
-
-/// The cells of a row.
-fn split(line: &str) -> Vec<Cow<'_, str>> {
-    if line.contains('"') {
-        let mut reader = ::csv::ReaderBuilder::new().has_headers(false).from_reader(line.as_bytes());
-        if let Some(Ok(row)) = reader.records().next() {
-            return row.iter().map(|cell| Cow::Owned(cell.trim().to_string())).collect();
-        }
-    }
-    line.split(',').map(|cell| Cow::Borrowed(cell.trim())).collect()
 }
 
 struct CsvLog {
@@ -200,7 +189,7 @@ impl ScanReader for CsvReader {
 
 /// The fields of a row. An empty cell is a missing value, and no echo in the column z.
 fn parse<'a>(line: &'a str, columns: &[usize]) -> std::result::Result<ReadingFields<'a>, String> {
-    let cells = split(line);
+    let cells = split_cells(line, b',');
     if cells.len() != columns.len() {
         return Err(format!("expected {} cells, found {}", columns.len(), cells.len()));
     }

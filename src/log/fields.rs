@@ -1,4 +1,4 @@
-//! A line of echogrid's own log, whatever its syntax: the fields as they were given, made into a record.
+//! A line of echogrid's own log, in either syntax: its fields, and the record that they make.
 
 use super::mounting::MountedSensor;
 use super::values::{check_pose, quote};
@@ -15,7 +15,7 @@ pub(super) const FIELD_NAMES: [&str; 11] = ["t", "scan", "sensor", "px", "py", "
 /// How a line names its sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum SensorName<'a> {
-    /// By its place in the header, from 0.
+    /// By its index in the header, from 0.
     Index(u64),
     /// By its id.
     Id(Cow<'a, str>),
@@ -40,7 +40,7 @@ pub(super) struct ReadingFields<'a> {
     pub label: Option<u64>,
 }
 
-/// Makes records of fields.
+/// Makes records from fields.
 pub(super) struct RecordBuilder {
     sensors: Arc<[MountedSensor]>,
     ids: HashMap<String, u32>,
@@ -49,13 +49,16 @@ pub(super) struct RecordBuilder {
 }
 
 impl RecordBuilder {
-    /// For a log of these sensors and so many classes; `only`: leave out sensors of the other kind.
+    /// For a log of these sensors and this number of classes; `only`: leave out sensors of other kinds.
     pub fn new(sensors: Arc<[MountedSensor]>, classes: usize, only: Option<Kind>) -> Self {
         let ids = (0..).zip(sensors.iter()).map(|(i, m)| (m.sensor.id.clone(), i)).collect();
         RecordBuilder { sensors, ids, classes, only }
     }
 
-    /// The record, or what is wrong; `None`: its sensor is not of the wanted kind.
+    /// The record of a line; `None`: its sensor is of another kind.
+    ///
+    /// # Errors
+    /// A text that names the field at fault.
     pub fn record(&self, fields: &ReadingFields<'_>, line: u64) -> Result<Option<Record>, String> {
         let need = |name: &str| format!("{name} is missing");
         let index = self.sensor(fields.sensor.as_ref())?;

@@ -11,15 +11,15 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// What a format is shown to tell whether a log is its own.
+/// The start of a log, by which a format recognises it.
 pub(crate) enum Probe<'a> {
-    /// A folder.
+    /// The path of a folder.
     Folder(&'a Path),
     /// The first bytes of a file, unpacked.
     Text(&'a str),
 }
 
-/// Where a log lies.
+/// A log's folder or file.
 #[derive(Clone)]
 pub(crate) enum LogPath {
     /// A folder of files.
@@ -32,11 +32,14 @@ pub(crate) enum LogPath {
 pub(crate) trait Format: Sync {
     /// Its name, in reports.
     fn name(&self) -> &'static str;
-    /// What it looks like, for the message about an unknown format.
+    /// A short description of its content, for the message about an unknown format.
     fn describe(&self) -> &'static str;
-    /// Whether a log is of this format.
+    /// Whether a log is of this format, by its start.
     fn sniff(&self, probe: &Probe<'_>) -> bool;
-    /// Opens a log, checking all that can be checked before a run. `kind`: which sensors are wanted.
+    /// Opens a log and checks all that can be checked before a run. `kind`: the kind of sensors to read.
+    ///
+    /// # Errors
+    /// [`Error::Input`](crate::Error::Input) if the log is damaged or holds no such sensors.
     fn open(&self, place: &LogPath, kind: Option<Kind>) -> Result<Box<dyn Source>>;
 }
 
@@ -44,29 +47,32 @@ pub(crate) trait Format: Sync {
 pub(crate) trait Source: Send + Sync {
     /// Its sensors, as far as the format or the log describes them.
     fn sensors(&self) -> &[Description];
-    /// The line of the log that describes them, if one does.
+    /// The line of the log that describes its sensors, if there is one.
     fn sensor_line(&self) -> Option<u64> {
         None
     }
-    /// Whether the beams of a laser scan are laid out by its sensor (else each record carries its own heading).
+    /// Whether the bearings of a laser's beams come from its sensor; otherwise each record has its own heading.
     fn has_beams(&self) -> bool;
     /// Whether it has the robot's poses; a log without them needs `--poses`.
     fn has_poses(&self) -> bool {
         true
     }
-    /// Refuses sensors that, complete as they are, don't say what the log leaves open.
+    /// Checks that the completed sensors give what the log does not.
+    ///
+    /// # Errors
+    /// [`Error::Input`](crate::Error::Input) that says what is missing.
     fn check_sensors(&self, _sensors: &[MountedSensor]) -> Result<()> {
         Ok(())
     }
-    /// Whether a preset of the program, not the log, describes its sensors.
+    /// Whether its sensors come from a preset of the program instead of the log.
     fn has_preset(&self) -> bool {
         false
     }
-    /// Where the layout of a sensor's beams comes from, and whether that is plain: nothing that a user should look at.
+    /// The origin of a sensor's beam layout, and whether it is certain; an uncertain one is shown to the user.
     fn beams_origin(&self, _sensor: usize) -> Option<(String, bool)> {
         None
     }
-    /// What of a sensor's ranges is taken for no return, if any is, in a whole sentence.
+    /// The ranges of a sensor that are read as no return, if there are any, as a sentence.
     fn no_return_note(&self, _sensor: usize) -> Option<String> {
         None
     }
@@ -74,22 +80,21 @@ pub(crate) trait Source: Send + Sync {
     fn classes(&self) -> &[String] {
         &[]
     }
-    /// What a user should know of how the log is read, in whole sentences: what was taken for a missing return, which messages are
-    /// left out, which layout of beams was assumed.
+    /// Notes for the user on how the log is read, as sentences: assumed beam layouts, messages that are left out.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }
     /// The files it reads, in a fixed order: the checksum runs over them.
     fn inputs(&self) -> Vec<&Input>;
-    /// A pass over the log from its start. Lines of other kinds are counted in `ignored`.
+    /// Starts a pass over the log. Lines of other kinds are counted in `ignored`.
     fn scans(&self, sensors: Arc<[MountedSensor]>, ignored: Arc<AtomicU64>) -> Result<Box<dyn ScanReader>>;
 }
 
-/// What a pass gives.
+/// Records and problems that were read and not yet taken.
 pub(crate) type RecordQueue = VecDeque<std::result::Result<Record, Problem>>;
 
-/// A pass over a log.
+/// One pass over a log.
 pub(crate) trait ScanReader: Send {
-    /// Reads on by a line or a scan and appends what it held, if anything; `false` at the end.
+    /// Reads the next line or scan and appends its records; `false` at the end of the log.
     fn fill(&mut self, items: &mut RecordQueue) -> bool;
 }

@@ -1,5 +1,5 @@
-//! Unpacks gzip: one member after the other, as `gzip -dc` does. What follows the last one and is none is passed over and counted:
-//! zeros, with which tapes and some loggers fill a block, or other bytes.
+//! Unpacks gzip, member by member, as `gzip -dc` does. Bytes after the last member are skipped and counted: zeros, with which tapes
+//! and some loggers fill a block, or other bytes.
 
 use super::snapshot::GZIP_MAGIC;
 use super::snapshot_reader::SnapshotReader;
@@ -7,29 +7,29 @@ use flate2::bufread::GzDecoder;
 use std::io::{self, BufRead, Read};
 use std::sync::{Arc, OnceLock};
 
-/// What follows the gzip data.
+/// The bytes after the gzip data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TrailingData {
-    /// So many zeros.
+    /// This number of zeros.
     Zeros(u64),
-    /// So many bytes that are no gzip.
+    /// This number of bytes, not gzip and not all zero.
     Other(u64),
 }
 
 /// The unpacked bytes of a gzip file.
 pub(super) struct GzipReader {
-    /// None after the end.
+    /// `None` after the end.
     member: Option<GzDecoder<SnapshotReader>>,
     trailing: Arc<OnceLock<TrailingData>>,
 }
 
 impl GzipReader {
-    /// From the start of `packed`; `trailing` hears of what follows the last member, if anything does.
+    /// From the start of `packed`; `trailing` is set if bytes follow the last member.
     pub fn new(packed: SnapshotReader, trailing: Arc<OnceLock<TrailingData>>) -> GzipReader {
         GzipReader { member: Some(GzDecoder::new(packed)), trailing }
     }
 
-    /// The member after this one, if there is one.
+    /// The next member, if there is one.
     fn next(&self, mut packed: SnapshotReader) -> io::Result<Option<GzDecoder<SnapshotReader>>> {
         let zeros = skip_zeros(&mut packed)?;
         if packed.begins(&GZIP_MAGIC)? {
@@ -59,7 +59,7 @@ impl Read for GzipReader {
     }
 }
 
-/// Takes the zeros that come next, and says how many.
+/// Skips zeros and returns their number.
 fn skip_zeros(packed: &mut SnapshotReader) -> io::Result<u64> {
     let mut all = 0;
     loop {

@@ -12,9 +12,9 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// How messages and reports call standard input.
+/// The name of standard input in messages and reports.
 pub(crate) const STDIN: &str = "<stdin>";
-/// How much of a log is looked at to tell its format, bytes.
+/// Bytes of a log by which its format is recognised.
 const HEAD_BYTES: u64 = 64 << 10;
 
 /// One file of a log.
@@ -22,14 +22,17 @@ const HEAD_BYTES: u64 = 64 << 10;
 pub(crate) struct Input {
     path: PathBuf,
     bytes: Arc<FileSnapshot>,
-    /// What follows the gzip data, once it was read to its end.
+    /// The bytes after the gzip data, once the file was read to its end.
     trailing: Arc<OnceLock<TrailingData>>,
 }
 
 impl Input {
-    /// A file that is there and not empty, at the length that it has now; a pipe is spooled into `folder`.
+    /// Opens a file at its present length; a pipe is spooled into `folder`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the file is missing or empty; [`Error::Resources`] if a pipe can't be spooled.
     pub fn open(path: &Path, folder: Option<&Path>) -> Result<Input> {
-        let unreadable = |e: io::Error| unreadable(path, None, &e);
+        let unreadable = |e: io::Error| unreadable(path, None, e);
         let file = File::open(path).map_err(unreadable)?;
         if !file.metadata().map_err(unreadable)?.is_file() {
             return Input::spool(path, file, folder);
@@ -65,7 +68,7 @@ impl Input {
         &self.path
     }
 
-    /// What a user should know of it, in whole sentences; complete after the first pass to its end.
+    /// Notes for the user, as sentences; complete after the first whole pass.
     pub fn notes(&self) -> Vec<String> {
         let trailing = self.trailing.get().map(|trailing| match trailing {
             TrailingData::Zeros(n) => format!("zeros after its gzip data are passed over ({n} B)"),
@@ -83,7 +86,7 @@ impl Input {
 
     /// Its bytes from the start, unpacked if they are gzip.
     pub fn reader(&self) -> Result<Box<dyn BufRead + Send>> {
-        let packed = self.bytes.packed().map_err(|e| unreadable(&self.path, None, &e))?;
+        let packed = self.bytes.packed().map_err(|e| unreadable(&self.path, None, e))?;
         let pass = SnapshotReader::new(self.bytes.clone());
         Ok(match packed {
             true => Box::new(BufReader::with_capacity(256 << 10, GzipReader::new(pass, self.trailing.clone()))),
@@ -100,8 +103,8 @@ impl Input {
     pub fn head(&self) -> Result<Vec<u8>> {
         let mut head = Vec::new();
         match self.reader()?.take(HEAD_BYTES).read_to_end(&mut head) {
-            // What there is before the damage may tell the format; the damage is reported when it is reached.
-            Err(error) if head.is_empty() => Err(unreadable(&self.path, None, &error)),
+            // The bytes before the damage may show the format; the damage is reported when a pass reaches it.
+            Err(error) if head.is_empty() => Err(unreadable(&self.path, None, error)),
             _ if head.is_empty() => Err(Error::input(&self.path, "is empty once unpacked")),
             _ => Ok(head),
         }
@@ -111,7 +114,7 @@ impl Input {
     pub fn hash(&self, sum: &mut Sha256) -> Result<()> {
         let mut pass = SnapshotReader::new(self.bytes.clone());
         loop {
-            let block = pass.fill_buf().map_err(|e| unreadable(&self.path, None, &e))?;
+            let block = pass.fill_buf().map_err(|e| unreadable(&self.path, None, e))?;
             if block.is_empty() {
                 return Ok(());
             }

@@ -1,5 +1,5 @@
-//! Lines of a text log, in constant memory however long a line is. LF and CRLF end a line, a byte-order mark before the
-//! first is dropped; a line that is too long or not text is a bad line, and the next one is read as usual.
+//! Reads the lines of a text log in constant memory. A line ends with LF or CRLF; a byte-order mark before the first line is
+//! dropped. A line that is too long or not UTF-8 is a bad line, and reading continues with the next one.
 
 use super::problem::{BadLine, Problem};
 use super::snapshot::{FileChanged, MAX_LINE_BYTES};
@@ -14,14 +14,14 @@ pub(crate) struct LineReader {
     buffer: Vec<u8>,
     number: u64,
     ended: bool,
-    /// Whether the file ends within the last line: nothing ends it.
-    cut: bool,
+    /// Whether the file ends within the last line.
+    unterminated: bool,
 }
 
 impl LineReader {
     /// Lines of `reader`; `path` is for messages.
     pub fn new(reader: Box<dyn BufRead + Send>, path: &Path) -> Self {
-        LineReader { reader, path: path.into(), buffer: Vec::new(), number: 0, ended: false, cut: false }
+        LineReader { reader, path: path.into(), buffer: Vec::new(), number: 0, ended: false, unterminated: false }
     }
 
     /// The number of the line that [`LineReader::next`] gave last, from 1.
@@ -30,8 +30,8 @@ impl LineReader {
     }
 
     /// Whether the file ends within the line that [`LineReader::next`] gave last.
-    pub fn cut(&self) -> bool {
-        self.cut
+    pub fn is_unterminated(&self) -> bool {
+        self.unterminated
     }
 
     /// The next line, without its end; `None` after the last.
@@ -47,12 +47,12 @@ impl LineReader {
                 self.ended = true;
                 return None;
             }
-            Ok(_) => self.cut = !self.buffer.ends_with(b"\n"),
-            Err(error) => return Some(Err(self.fatal(&error))),
+            Ok(_) => self.unterminated = !self.buffer.ends_with(b"\n"),
+            Err(error) => return Some(Err(self.fatal(error))),
         }
         if self.buffer.len() > MAX_LINE_BYTES && !self.buffer.ends_with(b"\n") {
             if let Err(error) = self.reader.skip_until(b'\n') {
-                return Some(Err(self.fatal(&error)));
+                return Some(Err(self.fatal(error)));
             }
             return Some(Err(self.bad("longer than 1 MiB".into())));
         }
@@ -73,16 +73,17 @@ impl LineReader {
         Problem::Line(BadLine { line: self.number, what })
     }
 
-    fn fatal(&mut self, error: &io::Error) -> Problem {
+    fn fatal(&mut self, error: io::Error) -> Problem {
         self.ended = true;
         Problem::Fatal(unreadable(&self.path, Some(self.number), error))
     }
 }
 
-/// Why reading stopped, and what to do about it.
-pub(crate) fn unreadable(path: &Path, line: Option<u64>, error: &io::Error) -> Error {
+/// The error about a log that can't be read on, with what to do about it.
+pub(crate) fn unreadable(path: &Path, line: Option<u64>, error: io::Error) -> Error {
     if let Some(changed) = error.get_ref().and_then(|inner| inner.downcast_ref::<FileChanged>()) {
-        return Error::input(path, format!("{changed}: map it again when nothing writes it, or map a copy"));
+        let what = format!("{changed}: map it again when nothing writes it, or map a copy");
+        return Error::caused(path, what, error);
     }
     let what = match error.kind() {
         io::ErrorKind::UnexpectedEof => {
@@ -96,7 +97,7 @@ pub(crate) fn unreadable(path: &Path, line: Option<u64>, error: &io::Error) -> E
         io::ErrorKind::NotFound => "no such file or folder".into(),
         _ => format!("can't be read: {error}"),
     };
-    Error::Input { path: path.into(), line, what }
+    Error::Input { path: path.into(), line, what, cause: Some(error.into()) }
 }
 
 #[cfg(test)]

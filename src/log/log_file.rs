@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// What a log holds.
+/// The format, sensors and classes of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
     /// The format's name.
@@ -120,7 +120,7 @@ impl Log {
         }
     }
 
-    /// Where it lies; `<stdin>` for standard input.
+    /// Its path; `<stdin>` for standard input.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -130,8 +130,8 @@ impl Log {
         &self.header
     }
 
-    /// Where its sensors sit, as the report says it: `none` at the robot's centre (`--set mounts=none`), `preset` where the
-    /// format's preset puts them, `own` where the log or a sensor file does.
+    /// The source of its sensors' positions, for the report: `none`, all at the robot's centre (`--set mounts=none`); `preset`, the
+    /// format's preset; `own`, the log or a sensor file.
     pub fn mounts(&self) -> &'static str {
         if self.sensors.iter().all(|m| m.centred) {
             "none"
@@ -142,12 +142,12 @@ impl Log {
         }
     }
 
-    /// What the user said of its columns, variables and poses, by the options' names (`columns`, `fields`, `poses`, `pose_columns`).
+    /// The options that name its columns, variables and poses, with their texts (`columns`, `fields`, `poses`, `pose_columns`).
     pub fn mapping(&self) -> &[(&'static str, String)] {
         &self.mapping
     }
 
-    /// A pass over its records, from the start; as many as are wanted, also at the same time.
+    /// Starts a pass over its records. Any number of passes may run, also at the same time.
     ///
     /// # Errors
     /// [`Error::Input`] if a file can't be opened any more.

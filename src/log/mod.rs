@@ -6,6 +6,7 @@
 mod aria;
 mod bad_lines;
 mod carmen;
+mod cells;
 pub mod classes;
 mod cmu;
 mod csv;

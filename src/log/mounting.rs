@@ -3,7 +3,7 @@
 use crate::log::reading::Pose;
 use crate::sensor::Sensor;
 
-/// The beams of a laser.
+/// The beam layout of a laser.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Beams {
     /// How many.
@@ -15,28 +15,29 @@ pub(crate) struct Beams {
 }
 
 impl Beams {
-    /// So many beams evenly over a field of view about the axis, radians; all around, the last stands beside the first.
+    /// `count` beams, evenly over a field of view about the axis, radians. Over a full circle the last beam is one step from the
+    /// first.
     pub fn over(fov: f64, count: u32) -> Beams {
         let gaps = if fov > std::f64::consts::TAU - 1e-6 { count } else { count.saturating_sub(1) };
         Beams { count, first: -fov / 2.0, step: fov / f64::from(gaps.max(1)) }
     }
 }
 
-/// A sensor, and where its readings are taken to come from.
+/// A complete sensor with its beam layout and the origin of its pose.
 #[derive(Debug, Clone)]
 pub(crate) struct MountedSensor {
     /// The sensor.
     pub sensor: Sensor,
-    /// Its beams, if it is a laser whose scans are laid out.
+    /// Its beams, if it is a laser whose scans have a fixed layout.
     pub beams: Option<Beams>,
-    /// The user has placed it: that beats a sensor pose given in the log.
+    /// The user gave its pose, which overrides a sensor pose in the log.
     pub placed: bool,
-    /// It sits at the robot's centre, whatever the log says (`mounts=none`).
+    /// It is at the robot's centre, whatever the log says (`mounts=none`).
     pub centred: bool,
 }
 
 impl MountedSensor {
-    /// The pose of a reading, `off` from the sensor's axis; `given` is the sensor's pose as the log has it.
+    /// The world pose of a reading, `off` radians from the sensor's axis; `given` is the sensor's pose in the log.
     pub fn pose(&self, robot: &Pose, given: Option<Pose>, off: f64) -> Pose {
         match given {
             Some(pose) if !self.placed => {

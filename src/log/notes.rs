@@ -4,19 +4,19 @@ use super::input::Input;
 use super::log_file::Log;
 
 impl Log {
-    /// How the beams of its lasers lie, and by what, in whole sentences.
+    /// The beam layouts of its lasers and their sources, as sentences.
     pub fn beams(&self) -> Vec<String> {
         self.layouts().into_iter().map(|layout| layout.0).collect()
     }
 
-    /// The same, each with whether it is plain.
+    /// The same, each with whether it is certain.
     fn layouts(&self) -> Vec<(String, bool)> {
         let mut layouts = Vec::new();
         for (i, (mounted, described)) in self.sensors.iter().zip(self.source.sensors()).enumerate() {
             let (Some(beams), Some((origin, plain))) = (mounted.beams, self.source.beams_origin(i)) else { continue };
             let own = described.first == Some(beams.first) && described.step == Some(beams.step);
             let origin = if own { origin } else { "--set or the sensor file".into() };
-            // Angles as a user writes them, without the last digits' noise.
+            // Rounded to what a user would write.
             let degrees = |angle: f64| (angle.to_degrees() * 1e4).round() / 1e4;
             let (id, count, first, step) = (&mounted.sensor.id, beams.count, degrees(beams.first), degrees(beams.step));
             let span = degrees(beams.step * f64::from(count.saturating_sub(1)));
@@ -26,10 +26,10 @@ impl Log {
         layouts
     }
 
-    /// What a user should know of how it is read, in whole sentences; complete after the first pass over it.
+    /// Notes for the user on how the log is read, as sentences; complete after the first pass.
     pub fn notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = self.layouts().into_iter().filter(|(_, plain)| !plain).map(|l| l.0).collect();
-        // Where the user has said where the scale ends, that counts.
+        // A value of the user's overrides the log's.
         let own =
             self.sensors.iter().zip(self.source.sensors()).map(|(m, d)| d.r_max.is_none_or(|r| r == m.sensor.r_max));
         notes.extend(own.enumerate().filter(|(_, own)| *own).filter_map(|(i, _)| self.source.no_return_note(i)));

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// How to read a log.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Only sensors of this kind; `None`: what the log holds (sonar, where a folder holds both).
+    /// Only sensors of this kind; `None`: the kind that the log holds (sonar, if a folder holds both).
     pub kind: Option<Kind>,
     /// A sensor file, which overrides the log's own description of its sensors.
     pub sensor_file: Option<PathBuf>,
@@ -27,7 +27,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// What the options say of columns, variables and poses, by their names.
+    /// The options that name columns, variables and poses, with their texts.
     pub(super) fn mapping(&self) -> Vec<(&'static str, String)> {
         let poses = self.poses.as_ref().map(|path| path.display().to_string());
         [("columns", &self.columns), ("fields", &self.fields), ("poses", &poses), ("pose_columns", &self.pose_columns)]

@@ -25,6 +25,9 @@ struct RawPreamble {
 
 impl Preamble {
     /// Parses a header line.
+    ///
+    /// # Errors
+    /// A text that says what is wrong, with the line.
     pub fn parse(line: &str) -> Result<Preamble, String> {
         Preamble::read(line).map_err(|what| format!("{what}; the line is {}", quote(line.trim())))
     }
@@ -62,7 +65,10 @@ impl Preamble {
         Ok(Preamble { sensors, classes: raw.classes.unwrap_or_default() })
     }
 
-    /// Whether there is a sensor of the wanted kind.
+    /// Checks that there is a sensor of the wanted kind.
+    ///
+    /// # Errors
+    /// A text that says which kind there is.
     pub fn offers(&self, kind: Option<Kind>) -> Result<(), String> {
         match kind {
             Some(kind) if self.sensors.iter().all(|s| s.kind.unwrap_or(Kind::Sonar) != kind) => Err(match kind {

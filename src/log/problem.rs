@@ -8,7 +8,7 @@ use crate::Error;
 pub struct BadLine {
     /// The line, from 1.
     pub line: u64,
-    /// What is wrong with it.
+    /// The reason.
     pub what: String,
 }
 

@@ -1,4 +1,4 @@
-//! Readings in the world frame: one range, from one sensor pose, judged by its sensor's limits.
+//! Readings in the world frame: one range from one sensor pose, classified by the sensor's limits.
 //!
 //! World frame: metres, x right, y up, angles in radians counter-clockwise from +x.
 
@@ -44,7 +44,7 @@ impl Pose {
     }
 }
 
-/// One record of a log, as it was read: not judged yet.
+/// One record of a log as it was read, before the sensor's limits are applied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Record {
     /// Time stamp, seconds.
@@ -65,12 +65,12 @@ pub struct Record {
     pub line: u64,
 }
 
-/// Whether the echo came back.
+/// Whether an echo came back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// An echo from `range`.
     Hit,
-    /// None: frees the interior of a cone of `range` (the sensor's `no_echo_range`), has no arc.
+    /// No echo: the interior of a cone of `range` (the sensor's `no_echo_range`) is free, and there is no arc.
     NoEcho,
 }
 
@@ -85,7 +85,7 @@ pub struct Reading {
     pub range: f64,
 }
 
-/// Why a record was not mapped.
+/// The reason for which a record is not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unused {
     /// No echo, and the sensor's `no_echo_range` is 0.
@@ -100,7 +100,10 @@ pub enum Unused {
     BeyondHitRange,
 }
 
-/// Judges a record by its sensor's limits.
+/// Classifies a record by its sensor's limits.
+///
+/// # Errors
+/// The reason for which the record is not used.
 pub fn classify(record: Record, sensor: &Sensor) -> Result<Reading, Unused> {
     let z = record.range;
     if z.is_nan() {
@@ -135,7 +138,7 @@ pub struct Rejected {
     pub beyond_hit_range: u64,
 }
 
-/// What became of a log's records.
+/// Counts of a log's records by how they were used.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// All records.
@@ -155,10 +158,10 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Counts one record's judgement.
-    pub fn add(&mut self, judged: &Result<Reading, Unused>) {
+    /// Counts one classified record.
+    pub fn add(&mut self, classified: &Result<Reading, Unused>) {
         self.read += 1;
-        match judged {
+        match classified {
             Ok(reading) => {
                 self.used += 1;
                 self.no_echo += u64::from(reading.outcome == Outcome::NoEcho);

@@ -1,4 +1,4 @@
-//! One pass over a log: its records in order, and the lines that are none.
+//! One pass over a log: its records in order, and its bad lines.
 
 use super::format::{RecordQueue, ScanReader};
 use super::problem::Problem;
@@ -19,12 +19,12 @@ impl Records {
         Records { scans, items: RecordQueue::new(), ignored, ended: false }
     }
 
-    /// Lines so far that hold no readings of this kind (odometry, parameters, other sensors): not an error.
+    /// The number of lines so far without readings of this kind (odometry, parameters, other sensors); these are no errors.
     pub fn ignored(&self) -> u64 {
         self.ignored.load(Ordering::Relaxed)
     }
 
-    /// The same count, to be read after the pass was moved elsewhere.
+    /// The same count, for reading after the pass was moved.
     pub fn ignored_counter(&self) -> Arc<AtomicU64> {
         self.ignored.clone()
     }

@@ -4,11 +4,11 @@ use super::format::RecordQueue;
 use super::mounting::MountedSensor;
 use crate::log::reading::{Pose, Record};
 
-/// What the readings of a scan share.
+/// The values that all readings of a scan share.
 pub(super) struct ScanHeader {
-    /// Seconds.
+    /// Time stamp, seconds.
     pub t: f64,
-    /// Its number, from 0.
+    /// The scan's number, from 0.
     pub number: u64,
     /// Index of its sensor.
     pub sensor: usize,
@@ -16,12 +16,12 @@ pub(super) struct ScanHeader {
     pub robot: Pose,
     /// The sensor's pose, if the log gives it.
     pub given: Option<Pose>,
-    /// Its line.
+    /// The scan's line in the log, from 1.
     pub line: u64,
 }
 
 impl ScanHeader {
-    /// Appends a reading, `off` radians from the sensor's axis; a range of +∞ is no echo.
+    /// Appends a reading of `range` metres, `off` radians from the sensor's axis; a range of +∞ is no echo.
     pub fn push(&self, sensors: &[MountedSensor], off: f64, range: f64, items: &mut RecordQueue) {
         if let Some(mounted) = sensors.get(self.sensor) {
             items.push_back(Ok(Record {

@@ -1,4 +1,4 @@
-//! Completes a log's sensors: what the format or the log's header says, under the sensor file, under `--set`.
+//! Completes a log's sensors: the description of the format or the log, overridden by the sensor file, overridden by `--set`.
 
 use super::format::Source;
 use super::mounting::{Beams, MountedSensor};
@@ -7,19 +7,25 @@ use crate::sensor::{Description, Mounts, Overrides, SensorFile};
 use crate::{Error, Result};
 use std::path::Path;
 
-/// The sensors of a log, complete. An error names the topmost layer that brought it in.
+/// The complete sensors of a log.
+///
+/// # Errors
+/// An error names the last source whose values made the description inconsistent.
 pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> Result<Vec<MountedSensor>> {
     let described = source.sensors();
     let file = options.sensor_file.as_deref().map(SensorFile::open).transpose()?;
     if let Some(file) = &file {
-        fits(file, described, source)?;
+        check_file(file, described, source)?;
     }
     let set = options.overrides.description();
     let centred = options.overrides.mounts == Some(Mounts::None);
     let mut mounted = Vec::with_capacity(described.len());
     for (i, described) in described.iter().enumerate() {
         let mut description = described.clone();
-        let header = |what| Error::Input { path: path.into(), line: source.sensor_line(), what };
+        let header = |what: String| match source.sensor_line() {
+            Some(line) => Error::at(path, line, what),
+            None => Error::input(path, what),
+        };
         let mut fault = description.complete(i).err().map(header);
         let over = file.as_ref().and_then(|f| f.sensors.get(i));
         if let (Some(over), Some(file)) = (over, &file) {
@@ -27,7 +33,7 @@ pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> R
             fault = description.complete(i).err().map(|what| fault.unwrap_or(Error::input(&file.path, what)));
         }
         description.merge(&set);
-        lay_beams(&mut description, &options.overrides, source)?;
+        override_beams(&mut description, &options.overrides, source)?;
         let sensor = description.complete(i).map_err(|what| fault.unwrap_or(Error::Usage(format!("--set: {what}"))));
         let mut sensor = sensor?;
         if centred {
@@ -44,8 +50,8 @@ pub(super) fn complete(path: &Path, source: &dyn Source, options: &Options) -> R
     Ok(mounted)
 }
 
-/// Lays the beams of a laser's scan as `--set fov` and `--set first_beam` say; `fov` alone puts them evenly to both sides of the axis.
-fn lay_beams(description: &mut Description, set: &Overrides, source: &dyn Source) -> Result<()> {
+/// Applies `fov` and `first_beam` to a laser's beam layout; `fov` alone puts the beams evenly to both sides of the axis.
+fn override_beams(description: &mut Description, set: &Overrides, source: &dyn Source) -> Result<()> {
     let (fov, first) = (set.fov, set.first_beam);
     if fov.is_none() && first.is_none() {
         return Ok(());
@@ -63,8 +69,8 @@ fn lay_beams(description: &mut Description, set: &Overrides, source: &dyn Source
     Ok(())
 }
 
-/// Refuses a sensor file that can't mean this log.
-fn fits(file: &SensorFile, described: &[Description], source: &dyn Source) -> Result<()> {
+/// Checks that a sensor file fits the log.
+fn check_file(file: &SensorFile, described: &[Description], source: &dyn Source) -> Result<()> {
     let (has, needs) = (file.sensors.len(), described.len());
     if has != needs {
         let names: Vec<&str> = described.iter().take(8).filter_map(|d| d.id.as_deref()).collect();

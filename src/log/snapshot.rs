@@ -1,5 +1,5 @@
-//! The stored bytes of one file, read again and again while another program may still write it. Its length is fixed when it is
-//! opened, and every block must have the checksum that it had when it was first read: all passes read the same.
+//! The bytes of one file as they were when it was opened, while another program may still write it. The length is fixed when the
+//! file is opened, and every block must keep the checksum of its first read, so all passes read the same bytes.
 
 use crate::support::positioned;
 use flate2::Crc;
@@ -20,20 +20,19 @@ pub(super) const GZIP_MAGIC: [u8; 2] = *b"\x1f\x8b";
 #[derive(Debug)]
 pub(super) struct FileSnapshot {
     file: File,
-    /// Where it lies; `None`: a copy that nobody else knows.
+    /// Its path; `None`: a private copy.
     path: Option<PathBuf>,
-    /// How many there were.
+    /// Bytes of the file when it was opened.
     length: u64,
-    /// Where its last whole line ends; of what is no text, its length.
+    /// End of the last whole line, bytes; the length, if the file is not text.
     lines: u64,
-    /// Whether what follows the last whole line is read, decided when a pass first comes to it.
+    /// Whether the bytes after the last whole line are read; decided when a pass first reaches them.
     tail: OnceLock<bool>,
-    /// Checksums of the blocks that were read, by their places.
+    /// Checksums of the blocks that were read, by their offsets.
     sums: Mutex<HashMap<u64, u32>>,
     notes: Mutex<Vec<&'static str>>,
 }
 
-/// What a user should know of a file that others change.
 pub(super) const NOTE_GROWN: &str =
     "another program is writing it: it is read as it was when it was opened, and its checksum is that of this part";
 pub(super) const NOTE_PARTIAL_LINE: &str = "its last line was half written when it was opened, and is left out";
@@ -42,19 +41,19 @@ pub(super) const NOTE_MAYBE_PARTIAL_LINE: &str =
 pub(super) const NOTE_REPLACED: &str =
     "it was replaced or removed while it was read: it is read as it was when it was opened";
 
-/// The file was changed after it was opened.
+/// A change of the file after it was opened.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum FileChanged {
-    /// It has become shorter.
+    /// The file has become shorter.
     #[error("became shorter while it was read")]
     Shorter,
-    /// A part of it has become another.
+    /// The block at this offset has changed.
     #[error("was changed while it was read, after byte {0}")]
     Rewritten(u64),
 }
 
 impl FileSnapshot {
-    /// Of a file as long as it is now; `path`: where others may write it.
+    /// Takes the file's present length; `path`: where other programs may write it.
     pub fn new(file: File, path: Option<PathBuf>) -> io::Result<FileSnapshot> {
         let length = file.metadata()?.len();
         let from = length.saturating_sub(MAX_LINE_BYTES as u64);
@@ -78,12 +77,12 @@ impl FileSnapshot {
         Ok(bytes)
     }
 
-    /// Whether there are none.
+    /// Whether the file is empty.
     pub fn is_empty(&self) -> bool {
         self.length == 0
     }
 
-    /// Whether they are gzip.
+    /// Whether the bytes are gzip.
     pub fn packed(&self) -> io::Result<bool> {
         let mut magic = [0; 2];
         Ok(positioned::read(&self.file, &mut magic, 0)? == 2 && magic == GZIP_MAGIC)
@@ -98,7 +97,7 @@ impl FileSnapshot {
         grown
     }
 
-    /// What a user should know, as far as it has been read.
+    /// Notes for the user, complete after the first pass.
     pub fn notes(&self) -> Vec<&'static str> {
         self.noted().clone()
     }
@@ -124,7 +123,7 @@ impl FileSnapshot {
         self.length
     }
 
-    /// Where the block that begins at `start` ends: there, too, if all has been read.
+    /// The end of the block that begins at `start`; equals `start` at the end of the snapshot.
     pub fn block_end(&self, start: u64) -> io::Result<u64> {
         if start < self.lines {
             return Ok((start + BLOCK_BYTES).min(self.lines));
@@ -141,13 +140,13 @@ impl FileSnapshot {
         Ok(if read { self.length } else { self.lines })
     }
 
-    /// Whether the line at the end goes on behind it by now.
+    /// Whether the file's last line has become longer.
     fn goes_on(&self) -> io::Result<bool> {
         let mut next = [0];
         Ok(positioned::read(&self.file, &mut next, self.length)? == 1 && next != *b"\n" && next != *b"\r")
     }
 
-    /// Reads a block, and holds it against what it was before.
+    /// Reads a block and compares its checksum with that of the first read.
     pub fn read(&self, start: u64, end: u64, buffer: &mut Vec<u8>) -> io::Result<()> {
         buffer.resize((end - start) as usize, 0);
         exactly(&self.file, buffer, start)?;
@@ -169,7 +168,7 @@ fn exactly(file: &File, buffer: &mut [u8], at: u64) -> io::Result<()> {
     })
 }
 
-/// Whether two are one file.
+/// Whether both are the same file.
 #[cfg(unix)]
 fn same(a: &Metadata, b: &Metadata) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub(super) struct SnapshotReader {
     bytes: Arc<FileSnapshot>,
     buffer: Vec<u8>,
-    /// Where the buffer stands in the file, and how much of it has been taken.
+    /// Offset of the buffer in the file, and the bytes of it that were consumed.
     start: u64,
     taken: usize,
 }
@@ -19,7 +19,7 @@ impl SnapshotReader {
         SnapshotReader { bytes, buffer: Vec::new(), start: 0, taken: 0 }
     }
 
-    /// Whether the bytes that come next are these.
+    /// Whether the next bytes are `with`.
     pub fn begins<const N: usize>(&self, with: &[u8; N]) -> io::Result<bool> {
         let mut next = [0; N];
         let whole = self.left() >= N as u64;
@@ -29,7 +29,7 @@ impl SnapshotReader {
         Ok(whole && next == *with)
     }
 
-    /// Bytes that are left.
+    /// The number of bytes left.
     pub fn left(&self) -> u64 {
         self.bytes.len() - self.at()
     }

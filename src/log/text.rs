@@ -1,4 +1,4 @@
-//! Text logs that are read a line at a time: what all of them share. A format brings a [`LineParser`], which turns a line into records.
+//! Text logs that are read line by line. A format provides a [`LineParser`], which turns a line into records.
 
 use super::format::{RecordQueue, ScanReader, Source};
 use super::input::Input;
@@ -10,9 +10,12 @@ use crate::sensor::Description;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What a format makes of its lines. A pass starts with a clone of it.
+/// Parses the lines of a format. Each pass starts with a clone.
 pub(super) trait LineParser: Clone + Send + Sync + 'static {
-    /// Appends what a line holds. `false`: it is of another kind, to be counted as ignored. An error makes it a bad line.
+    /// Appends the records of a line. `false`: the line is of another kind, and is counted as ignored.
+    ///
+    /// # Errors
+    /// A text that says why it is a bad line.
     fn parse_line(
         &mut self,
         line: &str,
@@ -21,12 +24,15 @@ pub(super) trait LineParser: Clone + Send + Sync + 'static {
         items: &mut RecordQueue,
     ) -> std::result::Result<bool, String>;
 
-    /// What a user should know after a pass.
+    /// Notes for the user after a pass.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// Whether the sensors, once complete, say all that the lines don't.
+    /// Checks that the completed sensors give what the lines do not.
+    ///
+    /// # Errors
+    /// As of [`Source::check_sensors`].
     fn check_sensors(&self, _sensors: &[MountedSensor]) -> Result<()> {
         Ok(())
     }
@@ -36,15 +42,15 @@ pub(super) trait LineParser: Clone + Send + Sync + 'static {
 pub(super) struct TextLog<P> {
     /// The file.
     pub input: Input,
-    /// Its sensors, as far as it describes them.
+    /// Its sensors, as far as the log describes them.
     pub sensors: Vec<Description>,
-    /// Whether the sensors lay out the beams.
+    /// Whether the bearings of beams come from the sensors.
     pub beams: bool,
     /// Whether it has the robot's poses.
     pub posed: bool,
-    /// What is known at its opening that a user should know.
+    /// Notes for the user, known when the log is opened.
     pub notes: Vec<String>,
-    /// What reads its lines.
+    /// Parses its lines.
     pub parser: P,
 }
 
@@ -111,7 +117,10 @@ impl<P: LineParser> ScanReader for TextReader<P> {
     }
 }
 
-/// Shows every readable line with its number, until `each` returns `false`.
+/// Calls `each` with every readable line and its number, until `each` returns `false`.
+///
+/// # Errors
+/// [`Error::Input`](crate::Error::Input) if the log can't be read on.
 pub(super) fn for_each_line(input: &Input, mut each: impl FnMut(&str, u64) -> bool) -> Result<()> {
     let mut lines = input.lines()?;
     loop {

@@ -1,17 +1,17 @@
-//! Poses by time: a robot's way, and where it was at a moment between two of them.
+//! A robot's poses by time, and its pose at times between them.
 
 use crate::log::reading::Pose;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// So long before the first pose and after the last one it holds, seconds.
+/// The first and the last pose hold for this long beyond their times, seconds.
 const MAX_EXTRAPOLATION: f64 = 0.1;
-/// Between poses farther apart than this, seconds, nothing is known of a robot that moved …
+/// Poses farther apart in time than this, seconds, are not interpolated if the robot moved.
 const MAX_GAP: f64 = 5.0;
-/// … more than this, metres, or turned more than this, radians.
+/// A robot that moved and turned no more than this stood still: metres, radians.
 const STILL: (f64, f64) = (0.05, 0.02);
 
-/// A robot's poses in the order of time, and how many readings found none.
+/// A robot's poses in the order of time, and the number of readings without one.
 #[derive(Debug, Clone)]
 pub(super) struct PoseTrack {
     poses: Arc<[(f64, Pose)]>,
@@ -19,13 +19,13 @@ pub(super) struct PoseTrack {
 }
 
 impl PoseTrack {
-    /// Of poses with their times, seconds, in any order.
+    /// From poses with their times, seconds, in any order.
     pub fn of(mut poses: Vec<(f64, Pose)>) -> PoseTrack {
         poses.sort_by(|a, b| a.0.total_cmp(&b.0));
         PoseTrack { poses: poses.into(), missed: Arc::default() }
     }
 
-    /// How many poses.
+    /// The number of poses.
     pub fn len(&self) -> usize {
         self.poses.len()
     }
@@ -35,7 +35,7 @@ impl PoseTrack {
         Some((self.poses.first()?.0, self.poses.last()?.0))
     }
 
-    /// The pose at a time: on the straight way between its neighbours, turned the shorter way round.
+    /// The pose at a time, by linear interpolation; the heading turns the shorter way.
     pub fn at(&self, t: f64) -> Option<Pose> {
         let next = self.poses.partition_point(|(time, _)| *time < t);
         let after = self.poses.get(next);
@@ -60,12 +60,12 @@ impl PoseTrack {
         }
     }
 
-    /// Keeps how many readings of a whole pass found no pose.
+    /// Records the number of readings of a pass without a pose.
     pub fn count_missed(&self, missed: u64) {
         self.missed.fetch_max(missed, Ordering::Relaxed);
     }
 
-    /// What to say of them.
+    /// A note about readings without a pose; `what` names the readings.
     pub fn note(&self, what: &str) -> Option<String> {
         let missed = self.missed.load(Ordering::Relaxed);
         let (first, last) = self.span()?;
@@ -79,7 +79,7 @@ impl PoseTrack {
     }
 }
 
-/// The heading of a rotation given as a quaternion: its turn about the vertical axis.
+/// The heading of a quaternion: its rotation about the vertical axis, radians.
 pub(super) fn yaw(x: f64, y: f64, z: f64, w: f64) -> f64 {
     (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))
 }

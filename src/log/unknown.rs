@@ -1,4 +1,4 @@
-//! What to say of a file or folder that is no log: what it is, and what to do about it.
+//! Errors about files and folders that are no logs: what they are, and what to do about it.
 
 use super::format::Probe;
 use super::formats::FORMATS;
@@ -9,13 +9,13 @@ use super::values::quote;
 use crate::Error;
 use std::path::Path;
 
-/// Files of a folder that are looked at.
-const LOOKED_AT: usize = 200;
-/// Logs of a folder that are named.
-const NAMED: usize = 8;
+/// The number of a folder's files that are examined.
+const MAX_FILES: usize = 200;
+/// The number of a folder's logs that a message names.
+const MAX_NAMED: usize = 8;
 
-/// Numbers in a row from which they are a laser's beams.
-const MANY: usize = 16;
+/// A row with this many numbers holds a laser's beams.
+const MIN_BEAMS: usize = 16;
 
 const BAG: &str = "bags aren't read: write their topics as text, rostopic echo -p -b FILE /scan > scan.csv and the same of /odom > \
                    odom.csv, then map scan.csv --poses odom.csv";
@@ -26,7 +26,7 @@ const POINTS: &str = "a cloud of points has no sensor poses: map the log that it
 const TABLE: &str = "write it as CSV, and name its columns with --columns";
 const NO_LOG: &str = "it is no log of a robot's readings";
 
-/// How files that are no logs begin, what they are, and what to do about them.
+/// The first bytes of files that are no logs, their types, and what to do about them.
 const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"#ROSBAG V", "a ROS 1 bag", BAG),
     (b"\x89MCAP0\r\n", "an MCAP file (a ROS 2 bag)", BAG2),
@@ -67,7 +67,7 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"\x04\x22\x4d\x18", "packed with lz4", UNPACK),
 ];
 
-/// The error about a file that begins like this, if that tells that it is no log.
+/// The error about a file whose first bytes show that it is no log.
 pub(super) fn binary(path: &Path, head: &[u8]) -> Option<Error> {
     let is = |name: &str, remedy: &str| Some(Error::input(path, format!("is {name}: {remedy}")));
     if utf16(head) {
@@ -115,7 +115,7 @@ pub(super) fn binary(path: &Path, head: &[u8]) -> Option<Error> {
     None
 }
 
-/// Texts that are no logs, by what they begin with or hold, and what to do about them.
+/// The type of a text that is no log, by its content, and what to do about it.
 fn kind(text: &str) -> Option<(&'static str, &'static str)> {
     let start = text.trim_start();
     let begins = |word: &str| start.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
@@ -148,7 +148,7 @@ fn utf16(head: &[u8]) -> bool {
     pairs.len() >= 8 && (pairs.clone().all(|p| ascii(p[0], p[1])) || pairs.clone().all(|p| ascii(p[1], p[0])))
 }
 
-/// The error about a file or folder that no format claims.
+/// The error about a file or folder of no known format.
 pub(super) fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
     let known: Vec<&str> = FORMATS.iter().map(|f| f.describe()).collect();
     let known = known.join("; ");
@@ -193,7 +193,7 @@ pub(super) fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
             3 => "t,range,- beside --poses FILE".into(),
             4 => "x,y,heading,range".into(),
             5 => "t,x,y,heading,range".into(),
-            _ if count < MANY => format!("t,x,y,heading,range,-*{}", count - 5),
+            _ if count < MIN_BEAMS => format!("t,x,y,heading,range,-*{}", count - 5),
             _ => format!("t,x,y,heading,range*{} --sensor laser --set fov=180deg", count - 4),
         };
         return Error::input(
@@ -211,7 +211,7 @@ pub(super) fn unknown(path: &Path, probe: &Probe<'_>, head: &[u8]) -> Error {
     )
 }
 
-/// What is in a folder that is no log.
+/// A text about a folder that is no log.
 fn in_folder(folder: &Path) -> String {
     if folder.join("metadata.yaml").is_file()
         && std::fs::read_to_string(folder.join("metadata.yaml")).is_ok_and(|text| text.contains("rosbag2"))
@@ -219,9 +219,9 @@ fn in_folder(folder: &Path) -> String {
         return format!("no log in this folder: it is a ROS 2 bag, and {BAG2}.");
     }
     let Ok(entries) = std::fs::read_dir(folder) else { return "no log in this folder.".into() };
-    let mut files: Vec<_> = entries.flatten().map(|e| e.path()).filter(|path| path.is_file()).take(LOOKED_AT).collect();
+    let mut files: Vec<_> = entries.flatten().map(|e| e.path()).filter(|path| path.is_file()).take(MAX_FILES).collect();
     files.sort();
-    let claim = |path: &Path| {
+    let recognise = |path: &Path| {
         let head = Input::open(path, None).and_then(|input| input.head()).ok()?;
         if binary(path, &head).is_some() {
             return None;
@@ -230,9 +230,9 @@ fn in_folder(folder: &Path) -> String {
         let format = FORMATS.iter().find(|f| f.sniff(&Probe::Text(&text)))?;
         Some(format!("{} ({})", path.file_name()?.to_string_lossy(), format.name()))
     };
-    let logs: Vec<String> = files.iter().filter_map(|path| claim(path)).collect();
-    let more = if logs.len() > NAMED { ", …" } else { "" };
-    let named = logs.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let logs: Vec<String> = files.iter().filter_map(|path| recognise(path)).collect();
+    let more = if logs.len() > MAX_NAMED { ", …" } else { "" };
+    let named = logs.iter().take(MAX_NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
     match logs.len() {
         0 if files.is_empty() => "no log in this folder: it holds no file.".into(),
         0 => format!("no log in this folder: none of its {} files is one.", files.len()),

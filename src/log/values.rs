@@ -2,34 +2,40 @@
 
 use crate::log::reading::Pose;
 
-/// Poses further out are taken for damage: float noise would drown a cell there.
-const FARTHEST: f64 = 1e6;
-/// Headings beyond this are no headings: a robot that turned 1600 times, or a number in another column.
-const LARGEST_ANGLE: f64 = 1e4;
+/// The largest coordinate of a pose, metres. Beyond it rounding errors would be as large as a cell.
+const MAX_COORDINATE: f64 = 1e6;
+/// The largest heading, radians. A larger one is 1600 turns, or a number of another column.
+const MAX_HEADING: f64 = 1e4;
 
-/// Refuses a pose that is not finite or absurdly far out; the text names the value.
+/// Checks that a pose is finite and within bounds.
+///
+/// # Errors
+/// A text that names the value; `what` is whose pose it is.
 pub(crate) fn check_pose(what: &str, pose: &Pose) -> Result<(), String> {
     for (name, value) in [("x", pose.x), ("y", pose.y), ("heading", pose.heading)] {
         if !value.is_finite() {
             return Err(format!("{what} {name} is {value}"));
         }
-        if name == "heading" && value.abs() > LARGEST_ANGLE {
+        if name == "heading" && value.abs() > MAX_HEADING {
             return Err(format!("{what} heading is {value} rad, more than 1e4 rad either way"));
         }
-        if name != "heading" && value.abs() > FARTHEST {
+        if name != "heading" && value.abs() > MAX_COORDINATE {
             return Err(format!("{what} {name} is {value} m, farther than 1e6 m from the origin"));
         }
     }
     Ok(())
 }
 
-/// A piece of a log for a message: short, and safe to print.
+/// A part of a log, quoted for a message: at most 40 characters, with control characters escaped.
 pub(crate) fn quote(text: &str) -> String {
     let short: String = text.chars().take(40).flat_map(char::escape_debug).collect();
     if text.chars().nth(40).is_some() { format!("'{short}…'") } else { format!("'{short}'") }
 }
 
-/// A number of a log; the text names the field.
+/// Parses a number of a log.
+///
+/// # Errors
+/// A text that names the field, counted from 1.
 pub(crate) fn parse_number(field: usize, text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| {
         let point = text.replace(',', ".");
@@ -40,7 +46,7 @@ pub(crate) fn parse_number(field: usize, text: &str) -> Result<f64, String> {
     })
 }
 
-/// A number as programs write it: also with infinity and not-a-number in the spellings of ROS, YAML, C and Octave.
+/// Parses a number, infinity or not-a-number in the spellings of ROS, YAML, C and Octave.
 pub(super) fn parse_real(text: &str) -> Option<f64> {
     let text = text.trim();
     text.parse().ok().or_else(|| match text.to_ascii_lowercase().as_str() {

@@ -31,15 +31,15 @@ pub struct Description {
     pub r_min: Option<f64>,
     /// Ranges above this are no echo, metres.
     pub r_max: Option<f64>,
-    /// What a range of just `r_max` is.
+    /// The meaning of a range of exactly `r_max`.
     pub at_r_max: Option<AtMax>,
     /// Echoes from beyond this are rejected, metres.
     pub hit_range: Option<f64>,
-    /// How far a missing echo frees the cone, metres.
+    /// The range up to which a missing echo frees the cone, metres.
     pub no_echo_range: Option<f64>,
     /// Half the depth of the arc ε, metres.
     pub epsilon: Option<f64>,
-    /// Lasers: how many beams a scan has.
+    /// Lasers: the number of beams of a scan.
     pub beams: Option<u32>,
     /// Lasers: bearing of the first beam from the sensor's axis, radians.
     pub first: Option<f64>,
@@ -48,7 +48,10 @@ pub struct Description {
 }
 
 impl Description {
-    /// Sets one key from its value; the error says what the key takes.
+    /// Sets one key from its value.
+    ///
+    /// # Errors
+    /// A text that says which values the key takes.
     pub(crate) fn set(&mut self, key: &str, value: &SensorValue) -> Result<(), String> {
         let wrong = |what: String| format!("{key} = {value}: {key} {what}");
         match (key, value) {

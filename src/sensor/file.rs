@@ -19,7 +19,7 @@ const PRESETS: &[(&str, &str)] = &[
 /// A parsed sensor file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorFile {
-    /// Where it lies.
+    /// Its path, for messages.
     pub path: PathBuf,
     /// Its sensors, in the log's order.
     pub sensors: Vec<Description>,
@@ -42,7 +42,7 @@ impl SensorFile {
     /// # Errors
     /// [`Error::Input`] with the line: unreadable, not TOML, an unknown key, a value out of range, no sensor.
     pub fn open(path: &Path) -> Result<SensorFile> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::input(path, format!("sensor file: {e}")))?;
+        let text = std::fs::read_to_string(path).map_err(|e| Error::caused(path, format!("sensor file: {e}"), e))?;
         SensorFile::parse(path, &text)
     }
 

@@ -2,24 +2,24 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What kind of beam a sensor has. It decides the defaults and the membership rule (a laser leaves no holes).
+/// The kind of a sensor's beam. It decides the defaults and the membership rule (a laser leaves no holes).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// A cone of sound: its echo comes from anywhere on the arc.
+    /// A cone of sound: the echo may come from any point of the arc.
     Sonar,
     /// A beam of light: narrow, its off-axis angle counts as 0.
     Laser,
 }
 
-/// What a range of just `r_max` is.
+/// The meaning of a range of exactly `r_max`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AtMax {
-    /// No echo: a sensor that hears nothing reports its maximum (default).
+    /// No echo: the sensor reports its maximum for a missing echo (default).
     #[default]
     NoEcho,
-    /// An echo: silence has a mark of its own.
+    /// An echo: the log marks a missing echo otherwise.
     Hit,
 }
 
@@ -42,7 +42,7 @@ impl AtMax {
     }
 }
 
-/// Half a beam's width up to which a sensor is narrow, radians: 3°, and a hair for rounding.
+/// The largest half width of a narrow beam, radians: 3° and a margin for rounding.
 const NARROW: f64 = 3.0 * std::f64::consts::PI / 180.0 + 1e-12;
 
 /// One sensor, complete.
@@ -52,9 +52,9 @@ pub struct Sensor {
     pub id: String,
     /// Sonar or laser.
     pub kind: Kind,
-    /// Its place in the robot's frame: metres forward.
+    /// Its position in the robot's frame: metres forward.
     pub x: f64,
-    /// Its place in the robot's frame: metres to the left.
+    /// Its position in the robot's frame: metres to the left.
     pub y: f64,
     /// Its bearing in the robot's frame, radians.
     pub axis: f64,
@@ -64,11 +64,11 @@ pub struct Sensor {
     pub r_min: f64,
     /// Ranges above this are no echo, metres; also Bayes' R.
     pub r_max: f64,
-    /// What a range of just `r_max` is.
+    /// The meaning of a range of exactly `r_max`.
     pub at_r_max: AtMax,
     /// Echoes from beyond this (≤ `r_max`) are rejected, metres.
     pub hit_range: f64,
-    /// How far a missing echo frees the cone, metres; 0: not at all.
+    /// The range up to which a missing echo frees the cone, metres; 0: it frees nothing.
     pub no_echo_range: f64,
     /// Half the depth of the arc ε, metres; `None`: by kind and resolution, see [`Sensor::epsilon`].
     pub epsilon: Option<f64>,

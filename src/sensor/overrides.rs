@@ -7,17 +7,17 @@ use super::parameter::ParameterDoc;
 use super::quantity::{angle, length};
 use crate::{Error, Result};
 
-/// Where sensors sit.
+/// The source of sensors' poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mounts {
-    /// Where their description, or the log's own sensor poses, put them (default).
+    /// Their description, or the sensor poses in the log (default).
     #[default]
     Preset,
-    /// At the robot's centre, each looking along its own axis.
+    /// All at the robot's centre, each with its own axis.
     None,
 }
 
-/// Changes to every sensor; `None` leaves the description's value.
+/// Parameters for every sensor; `None` keeps the description's value.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Overrides {
     /// Half the beam's width β, radians.
@@ -26,19 +26,19 @@ pub struct Overrides {
     pub r_min: Option<f64>,
     /// Ranges above this are no echo, metres.
     pub r_max: Option<f64>,
-    /// What a range of just `r_max` is.
+    /// The meaning of a range of exactly `r_max`.
     pub at_r_max: Option<AtMax>,
     /// Echoes from beyond this are rejected, metres.
     pub hit_range: Option<f64>,
-    /// How far a missing echo frees the cone, metres.
+    /// The range up to which a missing echo frees the cone, metres.
     pub no_echo_range: Option<f64>,
     /// Half the depth of the arc ε, metres.
     pub epsilon: Option<f64>,
-    /// Lasers whose scans are laid out by their sensor: the angle from the first beam to the last, radians.
+    /// Lasers with a fixed beam layout: the angle from the first beam to the last, radians.
     pub fov: Option<f64>,
-    /// Such lasers: bearing of the first beam from the sensor's axis, radians; with `fov` alone half of that to the right.
+    /// Lasers with a fixed beam layout: the bearing of the first beam from the sensor's axis, radians. Default with `fov`: −`fov` / 2.
     pub first_beam: Option<f64>,
-    /// Where the sensors sit.
+    /// The source of the sensors' poses.
     pub mounts: Option<Mounts>,
 }
 

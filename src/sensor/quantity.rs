@@ -1,11 +1,11 @@
-//! Lengths and angles as a user writes them: a plain number, or one with its unit.
+//! Parses lengths and angles: a plain number, or a number with a unit.
 //!
 //! Lengths are metres unless they end in `mm`, `cm` or `m`; angles are radians unless they end in `deg` (or `rad`).
 
 /// Metres from `0.18`, `0.18m`, `18cm` or `180 mm`.
 ///
 /// # Errors
-/// A text that says what a length looks like.
+/// A text that says how to write a length.
 pub fn length(text: &str) -> Result<f64, String> {
     number(text, &[("mm", 1000.0), ("cm", 100.0), ("m", 1.0)], |value, per| value / per)
         .ok_or_else(|| "takes a length: a number in metres, or one that ends in mm, cm or m".into())
@@ -14,7 +14,7 @@ pub fn length(text: &str) -> Result<f64, String> {
 /// Radians from `0.2`, `0.2rad` or `12.5deg`.
 ///
 /// # Errors
-/// A text that says what an angle looks like.
+/// A text that says how to write an angle.
 pub fn angle(text: &str) -> Result<f64, String> {
     number(text, &[("deg", 180.0), ("rad", 0.0)], |value, per| if per > 0.0 { value.to_radians() } else { value })
         .ok_or_else(|| "takes an angle: a number in radians, or one that ends in deg".into())

@@ -31,7 +31,7 @@ pub(crate) enum SensorValue {
     Number(f64),
     /// A name, or a number with its unit.
     Text(String),
-    /// As if the key were missing.
+    /// No value: the key counts as missing.
     Null,
 }
 
@@ -73,7 +73,7 @@ impl<'de> Deserialize<'de> for SensorValue {
     }
 }
 
-/// A key of a sensor table; any other is refused with the nearest known one.
+/// A key of a sensor table. An unknown key is an error that names the most similar known one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct SensorKey(pub &'static str);
 

@@ -1,6 +1,7 @@
-//! What can go wrong, and the exit code it means.
+//! The errors of the library, with their causes and exit codes.
 //!
-//! A message names the file, the line, the value and what to do; the program prints it once, in `cli`.
+//! A message names the file, the line, the value and what to do, and includes the cause's own words. The program prints it once, in
+//! `cli`.
 
 use std::path::PathBuf;
 
@@ -19,6 +20,9 @@ pub enum Error {
         line: Option<u64>,
         /// What is wrong and what to do about it.
         what: String,
+        /// The error that caused it, where there is one.
+        #[source]
+        cause: Option<Cause>,
     },
     /// A GPU was asked for and none is there, or it can't do the work (exit code 4).
     #[error("{0}")]
@@ -31,29 +35,53 @@ pub enum Error {
     Kernel(Box<dyn std::error::Error + Send + Sync>),
 }
 
+/// The cause of an [`Error::Input`], its `source()`.
+#[derive(Debug, thiserror::Error)]
+pub enum Cause {
+    /// A file can't be read.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// A text is not the expected TOML.
+    #[error(transparent)]
+    Toml(#[from] toml::de::Error),
+    /// A text is not the expected JSON.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// Bytes are not UTF-8.
+    #[error(transparent)]
+    Utf8(#[from] std::str::Utf8Error),
+}
+
 impl Error {
     /// An [`Error::Input`] about a whole file.
     pub fn input(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
-        Error::Input { path: path.into(), line: None, what: what.into() }
+        Error::Input { path: path.into(), line: None, what: what.into(), cause: None }
     }
 
     /// An [`Error::Input`] about one line, counted from 1.
     pub fn at(path: impl Into<PathBuf>, line: u64, what: impl Into<String>) -> Self {
-        Error::Input { path: path.into(), line: Some(line), what: what.into() }
+        Error::Input { path: path.into(), line: Some(line), what: what.into(), cause: None }
     }
 
-    /// An [`Error::Input`] about a text that is no TOML, or not the right one, with its line.
+    /// An [`Error::Input`] about a whole file, with the error that caused it.
+    pub fn caused(path: impl Into<PathBuf>, what: impl Into<String>, cause: impl Into<Cause>) -> Self {
+        Error::Input { path: path.into(), line: None, what: what.into(), cause: Some(cause.into()) }
+    }
+
+    /// An [`Error::Input`] about a text that is not the expected TOML, with its line.
     pub(crate) fn toml(path: impl Into<PathBuf>, text: &str, error: &toml::de::Error) -> Self {
         let line = |at: usize| text.bytes().take(at).filter(|b| *b == b'\n').count() as u64 + 1;
         let line = error.span().map(|span| line(span.start));
-        Error::Input { path: path.into(), line, what: error.message().to_string() }
+        Error::Input { path: path.into(), line, what: error.message().to_string(), cause: Some(error.clone().into()) }
     }
 
-    /// The same error with something more to say.
+    /// The same error with an addition to its message.
     pub fn and(self, more: &str) -> Self {
         match self {
             Error::Usage(what) => Error::Usage(format!("{what}; {more}")),
-            Error::Input { path, line, what } => Error::Input { path, line, what: format!("{what}; {more}") },
+            Error::Input { path, line, what, cause } => {
+                Error::Input { path, line, what: format!("{what}; {more}"), cause }
+            }
             Error::NoAdapter(what) => Error::NoAdapter(format!("{what}; {more}")),
             Error::Resources(what) => Error::Resources(format!("{what}; {more}")),
             Error::Kernel(what) => Error::NoAdapter(format!("{what}; {more}")),

@@ -1,11 +1,11 @@
-//! How the beams of a laser lie whose messages don't say it (`FLASER`, `RLASER`, `LASER_READING`, `LASER1`): by the log's parameters, or by
-//! their number.
+//! The beam layout of lasers whose messages lack it (`FLASER`, `RLASER`, `LASER_READING`, `LASER1`): from the log's parameters, or from
+//! the number of beams.
 
 use super::message::LaserLayout;
 use crate::log::mounting::Beams;
 use std::f64::consts::PI;
 
-/// What the log's `PARAM` lines say of the front laser and of the rear one.
+/// The log's `PARAM` values of the front or the rear laser.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct LaserParameters {
     /// The maximum range, metres.
@@ -13,12 +13,12 @@ pub(super) struct LaserParameters {
     /// The field of view and the resolution, radians.
     fov: Option<f64>,
     resolution: Option<f64>,
-    /// The laser's place in the robot's frame, metres forward and to the left.
+    /// The laser's position in the robot's frame, metres forward and to the left.
     pub offset: (f64, f64),
 }
 
-/// Lasers by their number of beams: that, degrees from beam to beam, bearing of the first in degrees. The first six are SICK's as CARMEN's
-/// own reader lays them; then a SICK S300, Hokuyo's URG and UTM, straight ahead.
+/// Known lasers: the number of beams, degrees from beam to beam, and the bearing of the first beam, degrees. The first six are SICK's with
+/// the layout of CARMEN's own reader; then a SICK S300, Hokuyo's URG and UTM, centred on the axis.
 const KNOWN_LASERS: [(u32, f64, f64); 13] = [
     (180, 1.0, -90.0),
     (181, 1.0, -90.0),
@@ -36,7 +36,7 @@ const KNOWN_LASERS: [(u32, f64, f64); 13] = [
 ];
 
 impl LaserParameters {
-    /// Takes a `PARAM` line; [0]: the front laser, [1]: the rear one.
+    /// Reads a `PARAM` line into the front laser's values, [0], or the rear one's, [1].
     pub fn read(all: &mut [LaserParameters; 2], line: &str) {
         let mut fields = line.split_ascii_whitespace();
         if fields.next() != Some("PARAM") {
@@ -61,7 +61,7 @@ impl LaserParameters {
         }
     }
 
-    /// From one beam to the next, radians, and what says so; `Err`: what is said contradicts itself or the number of beams.
+    /// The angle from beam to beam, radians, and its source; `Err`: the values contradict each other or the number of beams.
     fn step(&self, count: u32) -> Result<Option<(f64, &'static str)>, ()> {
         let gaps = f64::from(count - 1);
         let around = 2.0 * PI + 1e-3;
@@ -81,7 +81,7 @@ impl LaserParameters {
     }
 }
 
-/// A layout's beams, and in words where that comes from.
+/// The beams of a layout, and a text about their source.
 pub(super) fn resolve_beams(layout: &LaserLayout, parameters: &LaserParameters) -> (Beams, String) {
     let count = layout.count;
     if let Some((first, step)) = layout.beams {

@@ -6,9 +6,9 @@ use crate::log::no_return::{NoReturnCode, RangeHistogram};
 use crate::log::reading::Pose;
 use crate::sensor::{Description, Kind};
 
-/// Ranges from here on are no return, metres: SICK's lasers, which nearly all of these logs come from, give up here.
+/// Ranges from here on are no return, metres: the limit of SICK's lasers, which nearly all of these logs come from.
 pub(super) const MAX_RANGE: f64 = 80.0;
-/// A share of readings of 0 from which it is told.
+/// The share of readings of 0 from which the user is told.
 const NOTED_ZEROS: f64 = 0.01;
 
 /// One laser of the log: a layout of beams.
@@ -17,9 +17,9 @@ pub(super) struct CarmenLaser {
     /// Its name.
     pub id: String,
     pub beams: Beams,
-    /// Where their layout comes from.
+    /// The source of their layout.
     pub origin: String,
-    /// Its place in the robot's frame, as its first message or the parameters have it.
+    /// Its pose in the robot's frame, from its first message or the parameters.
     pub mount: Pose,
     pub first: ScanPose,
     pub ranges: RangeHistogram,
@@ -47,7 +47,7 @@ impl CarmenLaser {
         }
     }
 
-    /// What is taken for no return.
+    /// A note on the ranges that are read as no return.
     pub fn no_return_note(&self, declared: Option<f64>) -> Option<String> {
         let (count, most) = self.ranges.beyond(self.r_max);
         if count == 0 {

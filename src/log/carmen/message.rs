@@ -1,15 +1,15 @@
-//! One line of a CARMEN log: which laser, how its beams lie, the ranges and the poses.
+//! One line of a CARMEN log: its laser, beam layout, ranges and poses.
 
 use super::tag::{Family, Tag};
 use crate::log::reading::Pose;
 use crate::log::values::{check_pose, parse_number, quote};
 
-/// How a laser's beams lie, as far as its messages say. Each layout is a sensor of its own.
+/// The beam layout of a laser, as far as its messages give it. Each layout is a sensor of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LaserLayout {
-    /// The message.
+    /// The name of its messages.
     pub tag: Tag,
-    /// Beams a scan.
+    /// Beams of a scan.
     pub count: u32,
     /// Bearing of the first beam from the laser's heading, and from one beam to the next, radians.
     pub beams: Option<(f64, f64)>,
@@ -19,7 +19,7 @@ pub(super) struct LaserLayout {
     pub posed: bool,
 }
 
-/// Where a scan was taken.
+/// The pose of a scan, as its message gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum ScanPose {
     /// The laser's pose and the robot's.
@@ -30,7 +30,7 @@ pub(super) enum ScanPose {
     FromOdometry,
 }
 
-/// A laser message, but for its ranges.
+/// A laser message without its ranges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LaserMessage {
     pub layout: LaserLayout,
@@ -39,10 +39,10 @@ pub(super) struct LaserMessage {
     pub t: Option<f64>,
 }
 
-/// What a line is.
+/// The content of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum CarmenLine<'a> {
-    /// A laser's message.
+    /// A laser message.
     Laser(LaserMessage),
     /// A message with ranges that are not read, by its name.
     Unread(&'a str),
@@ -50,7 +50,10 @@ pub(super) enum CarmenLine<'a> {
     Other,
 }
 
-/// Parses a line. The ranges go to `ranges`.
+/// Parses a line. The ranges are written to `ranges`.
+///
+/// # Errors
+/// A text that says why it is a bad line.
 pub(super) fn parse<'a>(line: &'a str, ranges: &mut Vec<f64>) -> Result<CarmenLine<'a>, String> {
     let Some(word) = line.split_ascii_whitespace().next() else { return Ok(CarmenLine::Other) };
     let Some(tag) = Tag::of(word) else {
@@ -90,7 +93,7 @@ pub(super) fn parse<'a>(line: &'a str, ranges: &mut Vec<f64>) -> Result<CarmenLi
     Ok(CarmenLine::Laser(message))
 }
 
-/// Beams go once around at most, radians, and a little more.
+/// The largest span of beams, radians: a full circle and a margin.
 const MAX_SPAN: f64 = 6.5;
 
 struct MessageFields<'a> {
@@ -114,7 +117,7 @@ impl MessageFields<'_> {
         }
     }
 
-    /// How many beams; there must be two.
+    /// The number of beams, two or more.
     fn beams(&self, i: usize) -> Result<u32, String> {
         match self.count(i)? {
             n if n < 2 => Err(format!("{} with {n} beams: their bearings are not defined", self.tag)),
@@ -131,7 +134,7 @@ impl MessageFields<'_> {
         Ok(())
     }
 
-    /// Checks what follows the ranges: `least` numbers at least, `most` before the host, which is the first that is no number.
+    /// Checks the fields after the ranges: at least `least` numbers, and `most` before the host, the first field that is no number.
     fn tail(&self, start: usize, least: usize, most: usize, count: u32) -> Result<usize, String> {
         let found = self.all.len();
         if found < start.saturating_add(least) {

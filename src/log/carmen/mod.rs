@@ -138,7 +138,7 @@ impl ScanReader for CarmenReader {
         };
         let done = match parsed {
             Ok(CarmenLine::Laser(message)) => {
-                match self.lines.cut() && message.t.is_none() && self.survey.timed(&message) {
+                match self.lines.is_unterminated() && message.t.is_none() && self.survey.timed(&message) {
                     true => Err("the file ends within this line".into()),
                     false => self.emit(&message, number, items),
                 }

@@ -6,10 +6,10 @@ use crate::log::lines::LineReader;
 use crate::log::reading::Pose;
 use crate::log::values::{check_pose, parse_number};
 
-/// Odometry further apart in time than this is not interpolated, seconds.
+/// Odometry messages farther apart than this, seconds, are not interpolated.
 const MAX_GAP: f64 = 2.0;
 
-/// One message.
+/// One odometry message.
 #[derive(Debug, Clone, Copy)]
 struct OdometrySample {
     line: u64,
@@ -17,7 +17,7 @@ struct OdometrySample {
     pose: Pose,
 }
 
-/// A second way through the log, from odometry message to odometry message.
+/// A second pass over the log, from odometry message to odometry message.
 pub(super) struct OdometryReader {
     lines: LineReader,
     before: Option<OdometrySample>,
@@ -64,7 +64,7 @@ impl OdometryReader {
         }
     }
 
-    /// The pose at the message in that line, of that time: between the two if their times say so, else the nearer one's.
+    /// The robot's pose at a message's line and time: interpolated between two odometry messages, or the nearer one's.
     pub fn at(&mut self, line: u64, t: f64) -> Option<Pose> {
         while self.after.is_some_and(|after| after.line < line) {
             self.step();

@@ -1,4 +1,4 @@
-//! Whose heading `RLASER` messages carry: CARMEN's own logger writes the laser's, other programs the robot's. Each message is compared with
+//! Determines whose heading `RLASER` messages carry: CARMEN's own logger writes the laser's, other programs the robot's. Each message is compared with
 //! the `FLASER` message before it, if that is of the same time, else with its own odometry's heading: about 180° apart it is the laser's, about
 //! equal it is the robot's. The majority decides.
 
@@ -7,7 +7,7 @@ use super::tag::{Family, Tag};
 use crate::log::reading::Pose;
 use std::f64::consts::PI;
 
-/// A front scan tells the robot's heading for so long, seconds.
+/// A front scan gives the robot's heading for this time, seconds.
 const MAX_AGE: f64 = 0.5;
 
 /// The votes of a log's messages.
@@ -15,14 +15,14 @@ const MAX_AGE: f64 = 0.5;
 pub(super) struct RearHeading {
     /// The last `FLASER` message's time and heading.
     front: Option<(f64, f64)>,
-    /// Messages whose heading is the laser's, the robot's, or near neither.
+    /// The number of messages with the laser's heading, with the robot's, or with neither.
     laser: u64,
     robot: u64,
     unclear: u64,
 }
 
 impl RearHeading {
-    /// Hears of a message.
+    /// Counts the vote of a message.
     pub fn observe(&mut self, message: &LaserMessage) {
         let ScanPose::LaserOnly(pose, odometry) = message.place else { return };
         if message.layout.tag.family != Family::Flat {
@@ -47,7 +47,7 @@ impl RearHeading {
         self.laser > self.robot
     }
 
-    /// The laser's pose and the robot's, of a message that carries a pose. In the old forms the robot's place is the laser's.
+    /// The laser's pose and the robot's, of a message with a pose. In the old messages both have the same position.
     pub fn poses(&self, tag: Tag, place: ScanPose) -> (Pose, Pose) {
         match place {
             ScanPose::LaserAndRobot(laser, robot) => (laser, robot),
@@ -60,7 +60,7 @@ impl RearHeading {
         }
     }
 
-    /// What was decided, if there was anything to decide.
+    /// A note on the decision, if there were such messages.
     pub fn note(&self) -> Option<String> {
         let all = self.laser + self.robot + self.unclear;
         if all == 0 {

@@ -1,5 +1,5 @@
-//! The first way through a CARMEN log: which lasers it has, what they write where nothing came back, which way the rear one looks, and what
-//! is left out. Nothing in such a log lists its lasers.
+//! The first pass over a CARMEN log: its lasers, their no-return codes, the heading of the rear laser, and the messages that are left out.
+//! Nothing in such a log lists its lasers.
 
 use super::beams::{LaserParameters, resolve_beams};
 use super::laser::{CarmenLaser, MAX_RANGE};
@@ -16,19 +16,19 @@ use crate::log::reading::Pose;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// No log has more layouts; a damaged one might.
+/// The largest number of beam layouts; a damaged log might have more.
 const MAX_LAYOUTS: usize = 256;
-/// So many names of messages are told apart.
+/// The largest number of message names that are counted.
 const MAX_NAMES: usize = 64;
-/// What the first way through found.
+/// The result of the first pass.
 pub(super) struct LaserSurvey {
-    /// The lasers that are read.
+    /// The lasers to read.
     pub lasers: Vec<CarmenLaser>,
     /// Which heading `RLASER` carries.
     pub rear: RearHeading,
     /// Messages with ranges that are not read, by their name, and why.
     skipped: BTreeMap<String, (u64, &'static str)>,
-    /// The first bad line, and how many there are.
+    /// The first bad line, and the number of bad lines.
     pub bad: Option<(BadLine, u64)>,
     parameters: [LaserParameters; 2],
     /// Odometry messages.
@@ -60,8 +60,8 @@ impl LaserSurvey {
             };
             match parsed {
                 Ok(CarmenLine::Laser(message)) => {
-                    // What the file ends within may lack its last digits: the pass says so.
-                    if !(lines.cut() && message.t.is_none() && survey.timed(&message)) {
+                    // The last number of an unterminated line may lack digits; the later pass reports the line.
+                    if !(lines.is_unterminated() && message.t.is_none() && survey.timed(&message)) {
                         survey.add(&message, &ranges);
                     }
                 }
@@ -126,7 +126,7 @@ impl LaserSurvey {
         }
     }
 
-    /// Decides what the whole log was needed for.
+    /// Completes the lasers after the whole log was read.
     fn complete(&mut self) {
         let posed = self.lasers.iter().any(|l| l.layout.posed);
         let why = |layout: &LaserLayout| match layout {
@@ -166,7 +166,7 @@ impl LaserSurvey {
         }
     }
 
-    /// What a user should know of it.
+    /// Notes for the user.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for laser in &self.lasers {
@@ -195,13 +195,13 @@ impl LaserSurvey {
         notes
     }
 
-    /// What of a laser's ranges is taken for no return, if any is.
+    /// A note on the ranges of a laser that are read as no return, if there are any.
     pub fn no_return_note(&self, laser: usize) -> Option<String> {
         let laser = self.lasers.get(laser)?;
         laser.no_return_note(laser.layout.cap.or(self.parameters[usize::from(laser.layout.tag.rear())].cap))
     }
 
-    /// The messages with ranges that are not read: how many, and why.
+    /// The messages with ranges that are not read: their numbers, and the reasons.
     pub fn left_out(&self) -> Option<String> {
         let each = |(name, (count, why)): (&String, &(u64, &str))| format!("{count} {name} ({why})");
         let all: Vec<String> = self.skipped.iter().map(each).collect();
@@ -209,7 +209,7 @@ impl LaserSurvey {
     }
 }
 
-/// A pose as another one sees it.
+/// The laser's pose in the robot's frame.
 fn relative_pose(robot: &Pose, laser: &Pose) -> Pose {
     let (dx, dy) = (laser.x - robot.x, laser.y - robot.y);
     let (s, c) = robot.heading.sin_cos();

@@ -46,7 +46,7 @@ impl Tag {
         }
     }
 
-    /// Whether its place on the robot is known by custom.
+    /// Whether its position on the robot is known by convention.
     pub fn mounted(self) -> bool {
         self.laser <= 2
     }

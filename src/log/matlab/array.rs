@@ -1,10 +1,7 @@
-//! The arrays of a version 5 `.mat` file: those that a log is made of, every size checked before it is trusted.
+//! The arrays of a version 5 `.mat` file that a log can consist of; every size is checked before it is used.
 
-use super::element::{Budget, COMPRESSED, ElementReader, MAX_BYTES, ReadResult, words};
-use flate2::read::ZlibDecoder;
-use std::collections::BTreeMap;
+use super::element::{Budget, ElementReader, ReadResult, words};
 use std::fmt;
-use std::io::Read;
 
 /// An array.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +17,7 @@ pub(super) enum Array {
     Cells(Vec<Array>),
     /// A struct: its fields; of an array of structs, each field as a cell of the elements' values.
     Struct(Vec<(String, Array)>),
-    /// Something else, by what it is.
+    /// Anything else, by its description.
     Other(&'static str),
 }
 
@@ -35,136 +32,35 @@ impl fmt::Display for Array {
     }
 }
 
-/// What a file holds.
-#[derive(Debug, Default)]
-pub(super) struct Variables {
-    /// The variables that were asked for.
-    pub wanted: BTreeMap<String, Array>,
-    /// The names of all.
-    pub names: Vec<String>,
-}
-
-const HEADER_BYTES: usize = 128;
-/// So much of a packed variable tells what it is.
-const NAME_BYTES: u64 = 4096;
-/// What an array takes besides its numbers, bytes.
-const ARRAY: u64 = 64;
-/// Cells in cells, structs in structs.
+/// Memory of an array besides its numbers, bytes.
+const ARRAY_BYTES: u64 = 64;
+/// The deepest nesting of cells and structs.
 const MAX_DEPTH: usize = 8;
 
 const INT8: u32 = 1;
 const INT32: u32 = 5;
 const UINT32: u32 = 6;
-const MATRIX: u32 = 14;
-/// Reads every variable; one that can't be read is told by what it is. The error doesn't name the file.
-pub(super) fn read_all(bytes: &[u8]) -> ReadResult<Vec<(String, Array)>> {
-    let mut all = Vec::new();
-    let mut budget = Budget(MAX_BYTES);
-    budget.take(bytes.len() as u64)?;
-    walk(bytes, |name, kind, body| {
-        // What a variable that is too large or damaged has taken is given back with it.
-        let mut left = Budget(budget.0);
-        let array = match variable(kind, body, &mut left) {
-            Ok(array) => {
-                budget.0 = left.0;
-                array
-            }
-            Err(_) => Array::Other("damaged or too large"),
-        };
-        all.push((name, array));
-        Ok(())
-    })?;
-    Ok(all)
-}
-
-/// Reads the variables of these names; the error doesn't name the file.
-pub(super) fn read(bytes: &[u8], wanted: &[&str]) -> ReadResult<Variables> {
-    let mut found = Variables::default();
-    let mut budget = Budget(MAX_BYTES);
-    budget.take(bytes.len() as u64)?;
-    walk(bytes, |name, kind, body| {
-        if wanted.contains(&name.as_str()) {
-            let array = variable(kind, body, &mut budget).map_err(|what| format!("{name}: {what}"))?;
-            found.wanted.insert(name.clone(), array);
-        }
-        found.names.push(name);
-        Ok(())
-    })?;
-    Ok(found)
-}
-
-/// Shows each variable: its name, its element's type and bytes.
-fn walk(bytes: &[u8], mut each: impl FnMut(String, u32, &[u8]) -> ReadResult<()>) -> ReadResult<()> {
-    match bytes.get(124..HEADER_BYTES) {
-        None => return Err(format!("ends after {} bytes of its header of {HEADER_BYTES}", bytes.len())),
-        Some([_, _, b'M', b'I']) => {
-            return Err("was written on a machine of the other byte order: load it in MATLAB and save it anew".into());
-        }
-        Some(_) => {}
-    }
-    let mut rest = ElementReader { all: bytes, at: HEADER_BYTES };
-    while !rest.ended() {
-        let at = rest.at;
-        let inside = |what: String| format!("byte {at}: {what}");
-        let (kind, body) = rest.element().map_err(inside)?;
-        let name = match kind {
-            COMPRESSED => packed_name(body),
-            MATRIX => ArrayHeader::of(&mut ElementReader { all: body, at: 0 }).map(|head| head.name),
-            _ => continue,
-        };
-        // What is wrong with another variable is none of ours.
-        let Ok(name) = name else { continue };
-        each(name, kind, body)?;
-    }
-    Ok(())
-}
-
-/// A variable's array, packed or not.
-fn variable(kind: u32, body: &[u8], budget: &mut Budget) -> ReadResult<Array> {
-    if kind != COMPRESSED {
-        return array(body, budget);
-    }
-    let unpacked = unpack(body, budget)?;
-    let (_, body) = ElementReader { all: &unpacked, at: 0 }.element()?;
-    array(body, budget)
-}
-
-/// The name of a packed variable.
-fn packed_name(packed: &[u8]) -> ReadResult<String> {
-    let mut first = Vec::new();
-    // A stream that is longer, or damaged later on, has told enough by then.
-    let _ = ZlibDecoder::new(packed).take(NAME_BYTES).read_to_end(&mut first);
-    let mut bytes = ElementReader { all: &first, at: 0 };
-    if bytes.word()? != MATRIX {
-        return Err("no array".into());
-    }
-    bytes.word()?;
-    Ok(ArrayHeader::of(&mut bytes)?.name)
-}
-
-fn unpack(packed: &[u8], budget: &mut Budget) -> ReadResult<Vec<u8>> {
-    let mut unpacked = Vec::new();
-    let read = ZlibDecoder::new(packed).take(budget.0 + 1).read_to_end(&mut unpacked);
-    read.map_err(|e| format!("is packed, and damaged: {e}"))?;
-    budget.take(unpacked.len() as u64)?;
-    Ok(unpacked)
-}
-
-fn array(body: &[u8], budget: &mut Budget) -> ReadResult<Array> {
+pub(super) const MATRIX: u32 = 14;
+/// Reads an array.
+///
+/// # Errors
+/// A text about the damage, or that the file is too large.
+pub(super) fn array(body: &[u8], budget: &mut Budget) -> ReadResult<Array> {
     let mut body = ElementReader { all: body, at: 0 };
     ArrayHeader::of(&mut body)?.array(&mut body, 0, budget)
 }
 
-/// What an array says of itself before its values.
-struct ArrayHeader {
+/// The elements of an array before its values.
+pub(super) struct ArrayHeader {
     class: u32,
     complex: bool,
     sizes: Vec<u32>,
-    name: String,
+    pub name: String,
 }
 
 impl ArrayHeader {
-    fn of(body: &mut ElementReader) -> ReadResult<ArrayHeader> {
+    /// Reads the header.
+    pub fn of(body: &mut ElementReader) -> ReadResult<ArrayHeader> {
         let flags = words(body.expect(UINT32, "flags")?);
         let flags = *flags.first().ok_or("an array without flags")?;
         let sizes = words(body.expect(INT32, "dimensions")?);
@@ -172,7 +68,7 @@ impl ArrayHeader {
         Ok(ArrayHeader { class: flags & 255, complex: flags & 1 << 11 != 0, sizes, name })
     }
 
-    /// How many elements it has.
+    /// The number of elements.
     fn count(&self) -> ReadResult<usize> {
         let product = self.sizes.iter().try_fold(1usize, |n, s| n.checked_mul(*s as usize));
         product.ok_or_else(|| format!("dimensions {:?} are too large", self.sizes))
@@ -184,7 +80,7 @@ impl ArrayHeader {
         }
         let count = self.count()?;
         let inner = |body: &mut ElementReader, budget: &mut Budget| -> ReadResult<Array> {
-            budget.take(ARRAY)?;
+            budget.take(ARRAY_BYTES)?;
             let part = body.expect(MATRIX, "element")?;
             if part.is_empty() {
                 return Ok(Array::Numbers { rows: 0, values: Vec::new() });

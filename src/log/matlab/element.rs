@@ -1,14 +1,14 @@
-//! The elements that a version 5 `.mat` file consists of, every size checked before it is trusted.
+//! The elements of a version 5 `.mat` file; every size is checked before it is used.
 
-/// What was read, or what is wrong with it.
+/// A value, or a text that says why it can't be read.
 pub(super) type ReadResult<T> = Result<T, String>;
 
-/// What a file may come to in memory, bytes: packed, unpacked, and as numbers.
+/// The largest memory that a file may take, bytes: packed, unpacked, and as numbers.
 pub(super) const MAX_BYTES: u64 = 1 << 29;
 /// Data type of a packed element.
 pub(super) const COMPRESSED: u32 = 15;
 
-/// Bytes that may still be taken.
+/// The memory that may still be used, bytes.
 pub(super) struct Budget(pub u64);
 
 impl Budget {
@@ -18,11 +18,11 @@ impl Budget {
     }
 }
 
-/// Bytes being read.
+/// Reads elements from bytes.
 pub(super) struct ElementReader<'a> {
-    /// All of them.
+    /// All bytes.
     pub all: &'a [u8],
-    /// How many were read.
+    /// The number of bytes read.
     pub at: usize,
 }
 
@@ -71,7 +71,7 @@ impl<'a> ElementReader<'a> {
     }
 }
 
-/// Its 32-bit words.
+/// The 32-bit words of an element.
 pub(super) fn words(part: &[u8]) -> Vec<u32> {
     part.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap_or_default())).collect()
 }

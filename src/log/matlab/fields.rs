@@ -1,4 +1,4 @@
-//! Which variables of a MATLAB or Octave file are what: as `--fields` says it, or as their names and sizes plainly tell.
+//! The variables of a MATLAB or Octave file: named by `--fields`, or guessed by their names and sizes.
 
 use super::array::Array;
 use super::element::ReadResult;
@@ -6,7 +6,7 @@ use crate::log::table::columns::{ColumnRole, scale};
 use crate::log::values::quote;
 use crate::support::similar::similar;
 
-/// What `--fields` names, and what its numbers are for units.
+/// The keys of `--fields`, and the units of their numbers.
 pub(super) const KEYS: [(&str, Option<ColumnRole>); 14] = [
     ("pose", Some(ColumnRole::Ph)),
     ("x", Some(ColumnRole::Px)),
@@ -24,7 +24,7 @@ pub(super) const KEYS: [(&str, Option<ColumnRole>); 14] = [
     ("labels", None),
 ];
 
-/// Names that tell a variable, letters alone.
+/// Usual names of variables, in lower case without other characters.
 const POSES: &[&str] =
     &["pose", "poses", "robotpose", "robotposes", "trajectory", "traj", "odom", "odometry", "path", "state", "states"];
 const RANGES: &[&str] = &[
@@ -53,7 +53,7 @@ pub(super) struct Field {
     pub key: &'static str,
     /// A variable with its fields and a row or column: `laser.pose`, `P(:,1)`; or a number.
     pub path: String,
-    /// What its numbers are multiplied with.
+    /// The factor from its unit to metres, radians or seconds.
     pub scale: f64,
 }
 
@@ -108,7 +108,10 @@ pub(super) fn parse(text: &str) -> ReadResult<Vec<Field>> {
     }
 }
 
-/// The variable that a path means.
+/// The variable of a path.
+///
+/// # Errors
+/// A text that names the variable, field, row or column that is missing.
 pub(super) fn resolve(variables: &[(String, Array)], path: &str) -> ReadResult<Array> {
     let (names, index) = match path.split_once('(') {
         Some((names, index)) => (names, Some(index.trim_end_matches(')'))),
@@ -158,7 +161,7 @@ fn letters(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase()
 }
 
-/// All that a path can name, with what it is.
+/// All paths, with their arrays.
 fn paths(variables: &[(String, Array)]) -> Vec<(String, &Array)> {
     let mut all = Vec::new();
     for (name, array) in variables {
@@ -170,7 +173,7 @@ fn paths(variables: &[(String, Array)]) -> Vec<(String, &Array)> {
     all
 }
 
-/// What there is, for a message.
+/// The list of variables for a message.
 pub(super) fn list(variables: &[(String, Array)]) -> String {
     const SHOWN: usize = 16;
     let all = paths(variables);
@@ -182,7 +185,7 @@ pub(super) fn list(variables: &[(String, Array)]) -> String {
     }
 }
 
-/// A line of `--fields` as the names tell; the second says whether it is plain enough to be taken. A note goes with some.
+/// A `--fields` text guessed from the names, whether it is certain enough to be used, and a note for the user.
 pub(super) fn guess(variables: &[(String, Array)]) -> (String, bool, Option<String>) {
     // Other names can't be written in a line of --fields.
     let proper = |path: &str| path.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '.'));

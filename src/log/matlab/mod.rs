@@ -21,6 +21,8 @@ mod named;
 mod octave;
 mod point_log;
 mod scan_data;
+mod scan_values;
+mod variables;
 
 /// The format.
 pub(crate) struct Matlab;
@@ -42,9 +44,9 @@ impl Format for Matlab {
         let input = require_file(place, ".mat")?;
         let bytes = whole(input)?;
         let fail = |what: String| Error::input(input.path(), what);
-        let found = array::read(&bytes, &["robotPose", "laserScan"]).map_err(fail)?;
+        let found = variables::read(&bytes, &["robotPose", "laserScan"]).map_err(fail)?;
         if found.wanted.is_empty() && !found.names.is_empty() {
-            return named::open(input, &array::read_all(&bytes).map_err(fail)?, None, kind);
+            return named::open(input, &variables::read_all(&bytes).map_err(fail)?, None, kind);
         }
         lasers_only(input, kind, self.name())?;
         Ok(Box::new(PointLog::of(input, found).map_err(fail)?))
@@ -69,11 +71,14 @@ impl Format for Octave {
 
     fn open(&self, place: &LogPath, kind: Option<Kind>) -> Result<Box<dyn Source>> {
         let input = require_file(place, "Octave")?;
-        named::open(input, &variables(input)?, None, kind)
+        named::open(input, &all_variables(input)?, None, kind)
     }
 }
 
-/// Opens a MATLAB or Octave file whose variables are named by `--fields`; gives the format's name too.
+/// Opens a MATLAB or Octave file with variables named by `--fields`; returns the format's name too.
+///
+/// # Errors
+/// [`Error::Usage`] if it is no such file or the text is wrong; [`Error::Input`] if the variables make no log.
 pub(super) fn open_fields(place: &LogPath, text: &str, kind: Option<Kind>) -> Result<(&'static str, Box<dyn Source>)> {
     let input = require_file(place, ".mat")?;
     let head = input.head()?;
@@ -87,31 +92,32 @@ pub(super) fn open_fields(place: &LogPath, text: &str, kind: Option<Kind>) -> Re
         );
         return Err(Error::Usage(what));
     }
-    Ok((format.name(), named::open(input, &variables(input)?, Some(text), kind)?))
+    Ok((format.name(), named::open(input, &all_variables(input)?, Some(text), kind)?))
 }
 
 /// All variables of a MATLAB or Octave file.
-fn variables(input: &Input) -> Result<Vec<(String, Array)>> {
+fn all_variables(input: &Input) -> Result<Vec<(String, Array)>> {
     let bytes = whole(input)?;
     let fail = |what: String| Error::input(input.path(), what);
     match bytes.starts_with(b"MATLAB") {
-        true => array::read_all(&bytes).map_err(fail),
+        true => variables::read_all(&bytes).map_err(fail),
         false => {
             if bytes.len() as u64 > element::MAX_BYTES {
                 return Err(fail("is more than 512 MiB to read: save fewer scans in a file".into()));
             }
-            let text = std::str::from_utf8(&bytes).map_err(|e| fail(format!("is not UTF-8 text: {e}")))?;
+            let text = std::str::from_utf8(&bytes)
+                .map_err(|e| Error::caused(input.path(), format!("is not UTF-8 text: {e}"), e))?;
             octave::read(text).map_err(fail)
         }
     }
 }
 
-/// A file's bytes, up to what is read at most.
+/// The bytes of a file, up to one more than [`element::MAX_BYTES`].
 fn whole(input: &Input) -> Result<Vec<u8>> {
     let fail = |what: String| Error::input(input.path(), what);
     let mut bytes = Vec::new();
     let read = input.reader()?.take(element::MAX_BYTES + 1).read_to_end(&mut bytes);
-    read.map_err(|e| unreadable(input.path(), None, &e))?;
+    read.map_err(|e| unreadable(input.path(), None, e))?;
     if bytes.starts_with(b"MATLAB 7.3") {
         let what = "is a version 7.3 file (HDF5): load it in MATLAB and save it with save(name, '-v7')";
         return Err(fail(what.into()));

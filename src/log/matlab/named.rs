@@ -1,4 +1,4 @@
-//! Logs in MATLAB's and Octave's files whose variables are named by `--fields`, or plainly named by themselves.
+//! Logs in MATLAB's and Octave's files, with variables named by `--fields` or recognised by their names.
 
 use super::array::Array;
 use super::fields;
@@ -15,6 +15,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Opens a log of these variables; `given`: the text of `--fields`.
+///
+/// # Errors
+/// [`Error::Usage`] if `given` is wrong; [`Error::Input`] if the variables make no log.
 pub(super) fn open(
     input: &Input,
     variables: &[(String, Array)],

@@ -4,10 +4,10 @@ use super::array::Array;
 use super::element::{MAX_BYTES, ReadResult};
 use crate::log::values::{parse_real, quote};
 
-/// Cells in cells, structs in structs.
+/// The deepest nesting of cells and structs.
 const MAX_DEPTH: usize = 8;
 
-/// Whether a text begins like one.
+/// Whether a text begins like an Octave file.
 pub(super) fn is_octave_text(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let name = lines.by_ref().take(4).any(|line| attribute(line).is_some_and(|(key, _)| key == "name"));
@@ -36,7 +36,7 @@ pub(super) fn read(text: &str) -> ReadResult<Vec<(String, Array)>> {
 struct OctaveReader<'a> {
     rest: std::str::Lines<'a>,
     number: u64,
-    /// Numbers that may still be read.
+    /// The numbers that may still be read.
     left: u64,
 }
 
@@ -95,7 +95,7 @@ impl<'a> OctaveReader<'a> {
         Ok((sizes.first().copied().unwrap_or(0), columns))
     }
 
-    /// So many numbers, over as many lines as they take.
+    /// Reads `count` numbers, over any number of lines.
     fn numbers(&mut self, count: usize) -> ReadResult<Vec<f64>> {
         self.take(count)?;
         let mut values = Vec::new();
@@ -116,7 +116,7 @@ impl<'a> OctaveReader<'a> {
         }
     }
 
-    /// What stands after `# name:`.
+    /// The variable after a line `# name:`.
     fn variable(&mut self, depth: usize) -> ReadResult<Array> {
         if depth > MAX_DEPTH {
             return Err("cells and structs are nested too deep".into());
@@ -185,7 +185,7 @@ impl<'a> OctaveReader<'a> {
         Ok((name, self.variable(depth + 1)?))
     }
 
-    /// Passes over what is not read.
+    /// Skips a variable of a type that is not read.
     fn other(&mut self, what: &'static str) -> ReadResult<Array> {
         while self.peek().is_some_and(|line| attribute(line).is_none_or(|(key, _)| key != "name")) {
             self.next();

@@ -1,7 +1,8 @@
 //! A log of the variables `robotPose` and `laserScan`: hit points in the robot's frame.
 
-use super::array::{Array, Variables};
+use super::array::Array;
 use super::scan_data::HALF_WIDTH;
+use super::variables::Variables;
 use crate::Result;
 use crate::log::classes::Classes;
 use crate::log::format::{RecordQueue, ScanReader, Source};

@@ -1,8 +1,9 @@
-//! A log of named variables: poses, and for each the ranges of its beams or the points that they hit.
+//! The data of a log of named variables: poses, and for each pose the ranges of its beams or their hit points.
 
 use super::array::Array;
 use super::element::ReadResult;
 use super::fields::{Field, resolve};
+use super::scan_values::ScanValues;
 use crate::log::mounting::Beams;
 use crate::log::reading::Pose;
 use crate::sensor::angle;
@@ -10,77 +11,34 @@ use crate::sensor::angle;
 /// Half the usual beam spacing of such lasers, degrees.
 pub(super) const HALF_WIDTH: f64 = 0.5;
 
-/// Readings as a file has them.
-enum ScanValues {
-    /// Scans as the rows of a matrix.
-    Rows(usize, Vec<f64>),
-    /// Scans as its columns.
-    Columns(usize, Vec<f64>),
-    /// A cell each.
-    Cells(Vec<Array>),
-}
-
-impl ScanValues {
-    /// Of so many scans.
-    fn of(array: Array, scans: usize, by_columns: bool, key: &str) -> ReadResult<ScanValues> {
-        match array {
-            Array::Cells(cells) if cells.len() == scans => Ok(ScanValues::Cells(cells)),
-            Array::Numbers { rows, values } => {
-                let columns = values.len() / rows.max(1);
-                match (rows == scans, columns == scans) {
-                    (true, true) if by_columns => Ok(ScanValues::Columns(rows, values)),
-                    (true, _) => Ok(ScanValues::Rows(rows, values)),
-                    (false, true) => Ok(ScanValues::Columns(rows, values)),
-                    (false, false) => Err(format!(
-                        "{key} has {rows} × {columns} numbers for {scans} poses: one of the two must be as many"
-                    )),
-                }
-            }
-            other => Err(format!("{key} is {other} for {scans} poses: as many are wanted")),
-        }
-    }
-
-    fn scan(&self, i: usize) -> ReadResult<Vec<f64>> {
-        match self {
-            ScanValues::Rows(rows, values) => Ok(values.iter().skip(i).step_by((*rows).max(1)).copied().collect()),
-            ScanValues::Columns(rows, values) => Ok(values.get(i * rows..(i + 1) * rows).unwrap_or_default().to_vec()),
-            ScanValues::Cells(cells) => match cells.get(i) {
-                Some(Array::Numbers { values, .. }) => Ok(values.clone()),
-                Some(other) => Err(format!("it is {other}, not numbers")),
-                None => Ok(Vec::new()),
-            },
-        }
-    }
-}
-
-/// Where the beams look.
+/// The bearings of the beams.
 enum Bearings {
     /// The same in every scan.
     Same(Vec<f64>),
     /// A list for each scan.
     Each(ScanValues, f64),
-    /// The first beam and the step: of every scan, or the same.
+    /// The first bearing and the step, radians: of each scan, or one for all.
     Even(Vec<f64>, Vec<f64>),
-    /// Over this field of view.
+    /// Evenly over this field of view, radians.
     Over(f64),
 }
 
-/// What the log holds.
+/// Poses, readings and bearings of a log.
 pub(super) struct ScanData {
     pub poses: Vec<Pose>,
-    /// Seconds, as many as poses, or none.
+    /// Times of the poses, seconds; empty if unknown.
     pub times: Vec<f64>,
     pub r_max: Option<f64>,
-    /// The laser's place on the robot.
+    /// The laser's pose on the robot.
     pub mount: Option<Pose>,
     readings: ScanValues,
     scale: f64,
-    /// None: the readings are hit points.
+    /// `None`: the readings are hit points.
     bearings: Option<Bearings>,
     labels: Option<ScanValues>,
 }
 
-/// Numbers in a row, a column, or a cell each.
+/// One number for each scan: from a row, a column, or a cell array.
 fn series(array: &Array, key: &str) -> ReadResult<Vec<f64>> {
     match array {
         Array::Numbers { rows, values } if *rows <= 1 || *rows == values.len() => Ok(values.clone()),
@@ -101,7 +59,7 @@ fn poses(array: &Array, scale: f64) -> ReadResult<(Vec<Pose>, bool)> {
     match array {
         Array::Numbers { rows, values } => {
             let columns = values.len() / (*rows).max(1);
-            // Three poses of three numbers: a row each, unless a column has what follows.
+            // 3 × 3 numbers are read as a pose in each row.
             if columns == 3 {
                 let at = |i: usize, k: usize| values.get(k * rows + i).copied().unwrap_or(f64::NAN);
                 return Ok(((0..*rows).map(|i| pose(at(i, 0), at(i, 1), at(i, 2))).collect(), false));
@@ -126,12 +84,15 @@ fn poses(array: &Array, scale: f64) -> ReadResult<(Vec<Pose>, bool)> {
 
 impl ScanData {
     /// Finds the fields in the variables.
+    ///
+    /// # Errors
+    /// A text that names the key at fault.
     pub fn of(variables: &[(String, Array)], fields: &[Field]) -> ReadResult<ScanData> {
         let field = |key: &str| fields.iter().find(|field| field.key == key);
         let array = |field: &Field| resolve(variables, &field.path).map_err(|what| format!("{}: {what}", field.key));
         let list = |key: &str| -> ReadResult<Option<Vec<f64>>> {
             let Some(field) = field(key) else { return Ok(None) };
-            // A number stands for itself, in its unit.
+            // A plain number is a value, not a variable's name.
             if let Ok(number) = angle(&field.path) {
                 return Ok(Some(vec![number * field.scale]));
             }

@@ -1,4 +1,4 @@
-//! No-return codes: the values that a laser writes where nothing came back, found in the histogram of its ranges.
+//! No-return codes: the values that a laser writes for a missing return, found in the histogram of its ranges.
 //!
 //! The rule, from the largest range downwards. A value is a code if
 //! 1. it came at least 4 times, and 6 times as often as all but four of the values just below it (up to 16 of them, within 2 % of the
@@ -10,19 +10,19 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// Ranges are kept apart by this, metres.
+/// Width of a bin, metres.
 const BIN_WIDTH: f64 = 0.001;
-/// Ranges beyond are counted, but not kept apart, metres.
+/// Ranges beyond this are counted together, metres.
 const MAX_BIN_RANGE: f64 = 100.0;
-/// A code came so many times at least …
+/// The smallest count of a code.
 const MIN_COUNT: u64 = 4;
-/// … and so many times as often …
+/// The smallest ratio of a code's count to those of its neighbours, …
 const MIN_RATIO: u64 = 6;
-/// … as all but these …
+/// … all but this number of them, …
 const EXCEPTIONS: usize = 4;
-/// … of the values below it, at most so many.
+/// … of the nearest values below it, at most this number.
 const NEIGHBOURS: usize = 16;
-/// Directions that are told apart.
+/// Sectors of directions that are distinguished.
 const SECTORS: u32 = 64;
 
 /// The readings of one range.
@@ -31,35 +31,35 @@ struct Bin {
     count: u64,
     /// The smallest of them, metres.
     least: f64,
-    /// From which directions they came, a bit each: among the beams, and in the world.
+    /// Bit sets of their sectors: among the beams, and in the world.
     directions: u64,
     bearings: u64,
 }
 
-/// A laser's ranges: how often each came, and from where.
+/// A histogram of a laser's ranges, with the directions of each range.
 #[derive(Debug, Clone)]
 pub(super) struct RangeHistogram {
     beams: u32,
     bins: Vec<Bin>,
-    /// Readings, those that are not numbers left out.
+    /// Readings that are numbers.
     pub all: u64,
     /// Readings of 0 or less.
     pub none: u64,
-    /// Readings beyond what is kept apart.
+    /// Readings beyond the last bin.
     far: u64,
 }
 
-/// A value that stands for no return.
+/// A range that means no return.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NoReturnCode {
     /// Metres.
     pub range: f64,
-    /// How many readings have it.
+    /// Readings of this range.
     pub count: u64,
 }
 
 impl RangeHistogram {
-    /// None yet, of a laser with so many beams.
+    /// An empty histogram of a laser with `beams` beams.
     pub fn of(beams: u32) -> RangeHistogram {
         RangeHistogram { beams: beams.max(1), bins: Vec::new(), all: 0, none: 0, far: 0 }
     }
@@ -130,7 +130,7 @@ impl RangeHistogram {
         codes
     }
 
-    /// How many readings are at or beyond a range, metres, and the commonest of them.
+    /// The number of readings at or beyond a range, metres, and the most frequent of these ranges.
     pub fn beyond(&self, range: f64) -> (u64, f64) {
         let at = self.bins.iter().filter(|b| b.count > 0 && b.least >= range);
         let kept = self.far + at.clone().map(|b| b.count).sum::<u64>();

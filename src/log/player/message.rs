@@ -1,56 +1,56 @@
-//! One line of a Player log: who says it, when, and what.
+//! One line of a Player log: its device, its time and its data.
 
 use crate::log::reading::Pose;
 use crate::log::track::yaw;
 use crate::log::values::{parse_number, quote};
 
-/// How the beams of a laser lie.
+/// The beam layout of a laser.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ScanLayout {
     pub count: u32,
     /// Bearing of the first beam and from one to the next, radians.
     pub first: f64,
     pub step: f64,
-    /// The range that it declares to be its largest, metres.
+    /// The declared maximum range, metres.
     pub cap: Option<f64>,
 }
 
-/// What a line says.
+/// The data of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Payload {
     /// The robot's pose.
     Position(Pose),
     /// A laser's scan, with the robot's pose if it carries it.
     Laser(ScanLayout, Option<Pose>, Vec<f64>),
-    /// Where a laser sits.
+    /// A laser's pose on the robot.
     LaserMount(Pose),
     /// The ranges of a ring of sonars.
     Sonar(Vec<f64>),
-    /// Where a ring's sonars sit.
+    /// The poses of a ring's sonars on the robot.
     SonarMounts(Vec<Pose>),
-    /// The ranges of a ranger, Player 3's word for both.
+    /// The ranges of a ranger, Player 3's interface for lasers and sonars.
     Ranger(Vec<f64>),
-    /// Where a ranger and its elements sit.
+    /// The poses of a ranger and of its elements.
     RangerMounts(Pose, Vec<Pose>),
     /// First and last bearing, step, smallest and largest range of a ranger.
     RangerConfig([f64; 3], f64, f64),
-    /// Something else.
+    /// Anything else.
     Other,
 }
 
-/// A line.
+/// A message.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PlayerMessage {
     /// Seconds.
     pub t: f64,
     /// The host and robot it comes from.
     pub robot: (String, String),
-    /// Which of its kind.
+    /// The device's index among those of its interface.
     pub index: u32,
     pub what: Payload,
 }
 
-/// Whether a line looks like one of such a log.
+/// Whether a line begins like a message of a Player log.
 pub(super) fn is_player_line(line: &str) -> bool {
     let fields: Vec<&str> = line.split_ascii_whitespace().take(6).collect();
     let kinds =
@@ -163,7 +163,7 @@ fn space(v: &[f64]) -> Pose {
     }
 }
 
-/// A count, and so many groups of numbers.
+/// Groups of `width` numbers, after their count.
 fn counted(v: &[f64], width: usize) -> Result<Vec<&[f64]>, String> {
     let count = *v.first().ok_or("a message without its count")?;
     let rest = v.get(1..).unwrap_or_default();
@@ -188,7 +188,7 @@ fn laser(v: &[f64], pose: usize) -> Result<Payload, String> {
         if !(first.is_finite() && step.is_finite() && step != 0.0) {
             return Err(format!("first bearing {first} or step {step} is no angle"));
         }
-        // The step is written with few digits in old logs: the ends tell it better.
+        // Old logs write the step with few digits; first and last bearing are more exact.
         let spread = (last - first) / (count - 1.0).max(1.0);
         let step = if (spread - step).abs() < 0.02 * step.abs() { spread } else { step };
         let cap = cap.then(|| v[at + 3]).filter(|cap| *cap > 0.1);

@@ -83,7 +83,7 @@ struct PlayerParser {
     devices: Arc<[Device]>,
     robot: Option<(String, String)>,
     track: Option<PoseTrack>,
-    /// Scans carry the robot's pose.
+    /// Whether scans carry the robot's pose.
     posed: bool,
     missed: u64,
     scan: u64,

@@ -10,9 +10,9 @@ use crate::log::values::check_pose;
 use crate::sensor::{Description, Kind};
 use std::collections::BTreeMap;
 
-/// No log has more sensors; a damaged one might.
+/// The largest number of sensors of a log; a damaged log might name more.
 const MAX_SENSORS: usize = 256;
-/// A ranger of more elements is a laser.
+/// A ranger with more elements than this is a laser.
 const MAX_SONARS: usize = 32;
 /// Half the width of a sonar's beam, radians (Pioneer's: 15°).
 const HALF_WIDTH: f64 = 15.0 * std::f64::consts::PI / 180.0;
@@ -20,9 +20,9 @@ const HALF_WIDTH: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// A device whose messages are read.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Device {
-    /// A laser by its index and layout.
+    /// A laser, by its index and beam layout.
     Laser(u32, ScanLayout),
-    /// One of a ring's sonars: index, which, of how many.
+    /// A sonar of a ring: the ring's index, the sonar's number, and the number of sonars.
     Sonar(u32, usize, usize),
     /// A ranger that is a laser.
     RangerLaser(u32, usize),
@@ -41,16 +41,16 @@ pub(super) fn with_id(device: &Device, count: usize, description: &Description) 
     Description { id: Some(id), ..description.clone() }
 }
 
-/// What a first pass found.
+/// The result of a first pass.
 pub(super) struct PlayerSurvey {
     /// The robot whose messages come first.
     pub robot: Option<(String, String)>,
     pub positions: BTreeMap<u32, Vec<(f64, Pose)>>,
-    /// More than one position device.
+    /// Whether there are several position devices.
     pub several: bool,
-    /// Scans that carry the robot's pose.
+    /// Whether scans carry the robot's pose.
     pub scan_poses: bool,
-    /// Each sensor, and how many layouts its laser has.
+    /// Each sensor's device, the number of beam layouts of its laser, and its description.
     pub sensors: Vec<(Device, usize, Description)>,
     pub notes: Vec<String>,
 }

@@ -1,5 +1,6 @@
 //! A file of poses by time, read through.
 
+use crate::log::cells::split_cells;
 use crate::log::input::Input;
 use crate::log::reading::Pose;
 use crate::log::rostopic::row::TopicLayout;
@@ -11,21 +12,24 @@ use crate::log::track::yaw;
 use crate::log::values::{check_pose, parse_real, quote};
 use crate::{Error, Result};
 
-/// Times beyond this are nanoseconds: in seconds they would be three thousand million years.
+/// Times beyond this are nanoseconds, not seconds.
 const NANOSECONDS: f64 = 1e17;
 
-/// How a row gives its pose.
+/// The format of a file of poses.
 enum PoseFormat {
     Topic(TopicLayout),
-    /// t x y z and a quaternion; of how many the quaternion tips the robot over.
+    /// t x y z and a quaternion; counts the quaternions that tip the robot over.
     Tum(u64),
     Columns(Columns, Separator),
 }
 
-/// Poses with their times, seconds, and what to say of them.
+/// Poses with their times, seconds, and notes for the user.
 pub(super) type PosesAndNotes = (Vec<(f64, Pose)>, Vec<String>);
 
-/// All poses of a file.
+/// Reads all poses of a file.
+///
+/// # Errors
+/// [`Error::Input`] if the file holds no pose, or its columns are unknown.
 pub(super) fn read_poses(input: &Input, columns: Option<&str>) -> Result<PosesAndNotes> {
     let mut poses = Vec::new();
     let (mut bad, mut first_bad) = (0u64, String::new());
@@ -94,7 +98,7 @@ pub(super) fn read_poses(input: &Input, columns: Option<&str>) -> Result<PosesAn
     Ok((poses, all))
 }
 
-/// What the first line tells; `true` with it: that line is one of names.
+/// The format of a file by its first line, and whether this line holds names.
 fn detect(line: &str, columns: Option<&str>) -> std::result::Result<(PoseFormat, bool), String> {
     if let Some(spec) = columns {
         let columns = Columns::parse(spec)?;
@@ -134,7 +138,7 @@ fn detect(line: &str, columns: Option<&str>) -> std::result::Result<(PoseFormat,
 fn pose(format: &mut PoseFormat, line: &str) -> std::result::Result<(f64, Pose), String> {
     match format {
         PoseFormat::Topic(layout) => {
-            let cells: Vec<&str> = line.split(',').map(|cell| cell.trim().trim_matches('"')).collect();
+            let cells = split_cells(line, b',');
             let pose = layout.pose(&cells).ok_or("no pose")??;
             Ok((layout.time(&cells)?, pose))
         }

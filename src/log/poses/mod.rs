@@ -1,5 +1,5 @@
-//! Poses from a second file (`--poses`): the robot's way by time, laid under a log's readings. Its rows are those of a ROS topic of
-//! poses, a TUM trajectory (`t x y z qx qy qz qw`), `t x y heading`, or what `--pose-columns` names.
+//! Poses from a second file (`--poses`), which replace those of a log. Its rows are those of a ROS topic of poses, a TUM trajectory
+//! (`t x y z qx qy qz qw`), `t x y heading`, or the columns of `--pose-columns`.
 
 use super::format::{RecordQueue, ScanReader, Source};
 use super::input::Input;
@@ -24,7 +24,10 @@ pub(super) struct PosedLog {
 }
 
 impl PosedLog {
-    /// Reads the poses of `path`, and sees that its times are those of the log.
+    /// Reads the poses of `path`, and checks that their times overlap the log's.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the file can't be read, holds no pose, or its times do not overlap the log's.
     pub fn of(
         source: Box<dyn Source>,
         sensors: &[MountedSensor],
@@ -148,7 +151,7 @@ impl ScanReader for PosedReader {
     }
 }
 
-/// Where a sensor comes to be when its robot is put elsewhere.
+/// The sensor's pose when the robot moves from one pose to another.
 fn carried_pose(from: &Pose, sensor: &Pose, to: &Pose) -> Pose {
     let (dx, dy) = (sensor.x - from.x, sensor.y - from.y);
     let (s, c) = from.heading.sin_cos();

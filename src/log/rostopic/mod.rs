@@ -1,6 +1,7 @@
 //! Rows of a ROS topic as text: `rostopic echo -p` (CSV with a header `%time,field.…`), what bag converters write (the same names without
 //! `field.`), and `ros2 topic echo --csv` (no header). LaserScan and Range are read; they carry no robot's pose, which `--poses` brings.
 
+use super::cells::split_cells;
 use super::format::{Format, LogPath, Probe, RecordQueue, Source};
 use super::mounting::MountedSensor;
 use super::opening::{lasers_only, require_file};
@@ -8,16 +9,15 @@ use super::scan::ScanHeader;
 use super::text::{LineParser, TextLog, for_each_line};
 use super::values::{parse_real, quote};
 use crate::log::reading::Pose;
-use crate::sensor::{Description, Kind};
+use crate::sensor::Kind;
 use crate::{Error, Result};
 use row::{Body, TopicLayout, cell};
+use sensors::{TopicSensors, angles, describe, frame, ranges};
 use std::collections::HashMap;
 use std::sync::Arc;
 
 pub(super) mod row;
-
-/// No log has more sensors; a damaged one might.
-const MAX_SENSORS: usize = 256;
+mod sensors;
 
 /// The format.
 pub(crate) struct RosTopic;
@@ -48,10 +48,10 @@ impl Format for RosTopic {
                 None => {
                     layout = TopicLayout::of(line);
                     if let Some(layout) = layout.as_ref().filter(|layout| !layout.header) {
-                        found.row(layout, line);
+                        found.add(layout, line);
                     }
                 }
-                Some(layout) => found.row(layout, line),
+                Some(layout) => found.add(layout, line),
             }
             layout.is_some()
         })?;
@@ -97,100 +97,9 @@ impl Format for RosTopic {
     }
 }
 
-/// The first line that holds something.
+/// The first line that is not empty.
 pub(super) fn first_line(text: &str) -> Option<&str> {
     text.lines().find(|line| !line.trim().is_empty())
-}
-
-fn split(line: &str) -> Vec<&str> {
-    line.split(',').map(|cell| cell.trim().trim_matches('"')).collect()
-}
-
-/// The name of a row's frame.
-fn frame<'a>(layout: &TopicLayout, cells: &[&'a str]) -> &'a str {
-    match layout.frame.and_then(|i| cells.get(i)) {
-        Some(name) if !name.is_empty() => name,
-        _ => "sensor",
-    }
-}
-
-/// The sensors, by their frames, as their first rows describe them.
-#[derive(Default)]
-struct TopicSensors {
-    sensors: Vec<(String, Description)>,
-}
-
-impl TopicSensors {
-    fn row(&mut self, layout: &TopicLayout, line: &str) {
-        let cells = split(line);
-        let name = frame(layout, &cells);
-        if self.sensors.iter().any(|(known, _)| known == name) || self.sensors.len() >= MAX_SENSORS {
-            return;
-        }
-        if let Ok(description) = describe(layout, &cells, name) {
-            self.sensors.push((name.into(), description));
-        }
-    }
-}
-
-fn describe(layout: &TopicLayout, cells: &[&str], name: &str) -> std::result::Result<Description, String> {
-    let limits = |low: f64, high: f64| {
-        let fine = low >= 0.0 && high > low && high < 1e6;
-        (Some(low).filter(|low| fine && *low > 0.0), Some(high).filter(|_| fine))
-    };
-    let id = Some(name.to_string());
-    match &layout.body {
-        Body::Scan(head, _) | Body::OpenScan(head, _) => {
-            let [first, step, low, high] = angles(cells, head)?;
-            let (r_min, r_max) = limits(low, high);
-            let count = ranges(layout, cells)?.len() as u32;
-            let (beams, first, step) = (Some(count.max(2)), Some(first), Some(step));
-            Ok(Description { id, kind: Some(Kind::Laser), r_min, r_max, beams, first, step, ..Description::default() })
-        }
-        Body::Range([fov, low, high, z], radiation) => {
-            cell(cells, *z, "the range")?;
-            let infrared = radiation.is_some_and(|i| cell(cells, i, "radiation_type") == Ok(1.0));
-            let (r_min, r_max) = limits(cell(cells, *low, "min_range")?, cell(cells, *high, "max_range")?);
-            let half_width = Some(cell(cells, *fov, "field_of_view")? / 2.0).filter(|w| (0.001..=1.04).contains(w));
-            let kind = Some(if infrared { Kind::Laser } else { Kind::Sonar });
-            Ok(Description { id, kind, r_min, r_max, half_width, ..Description::default() })
-        }
-        Body::Pose(_) => Err("a pose".into()),
-    }
-}
-
-fn angles(cells: &[&str], head: &[usize; 4]) -> std::result::Result<[f64; 4], String> {
-    let names = ["angle_min", "angle_increment", "range_min", "range_max"];
-    let mut values = [0.0; 4];
-    for ((value, i), name) in values.iter_mut().zip(head).zip(names) {
-        *value = cell(cells, *i, name)?;
-    }
-    if !(values[0].is_finite() && values[1].is_finite() && values[1] != 0.0) {
-        return Err(format!("angle_min {} or angle_increment {} is no angle", values[0], values[1]));
-    }
-    Ok(values)
-}
-
-/// The cells of a row that are its ranges.
-fn ranges<'a, 'b>(layout: &TopicLayout, cells: &'b [&'a str]) -> std::result::Result<&'b [&'a str], String> {
-    match &layout.body {
-        Body::Scan(_, range) => cells.get(range.clone()).ok_or_else(|| "ends before its last range".to_string()),
-        Body::OpenScan([first, step, ..], from) => {
-            // angle_max stands between the two.
-            let [a, b, s] = [*first, first + 1, *step].map(|i| cell(cells, i, "the angles"));
-            let count = ((b? - a?) / s?).round() + 1.0;
-            let rest = cells.get(*from..).unwrap_or_default();
-            let fits = |found: usize| (found as f64 - count).abs() <= 1.0;
-            match rest.len() {
-                found if fits(found) => Ok(rest),
-                found if found.is_multiple_of(2) && fits(found / 2) => Ok(&rest[..found / 2]),
-                found => Err(format!(
-                    "expected about {count} ranges as its angles say, and as many intensities or none, found {found} cells"
-                )),
-            }
-        }
-        _ => Ok(&[]),
-    }
 }
 
 #[derive(Clone)]
@@ -217,14 +126,14 @@ impl LineParser for TopicParser {
         if header {
             return Ok(true);
         }
-        let cells = split(line);
+        let cells = split_cells(line, b',');
         if let Some(width) = self.layout.width.filter(|width| *width != cells.len()) {
             return Err(format!("expected {width} cells, found {}", cells.len()));
         }
         let t = self.layout.time(&cells)?;
         let name = frame(&self.layout, &cells);
         let Some(sensor) = self.frames.get(name).copied() else {
-            // Its first row was no better; or it is of the other kind.
+            // No valid row described this sensor, or it is of another kind.
             describe(&self.layout, &cells, name)?;
             return Ok(false);
         };

@@ -1,26 +1,28 @@
-//! Which cell of a row holds what: from the header that `rostopic echo -p` and its kin write, or, for `ros2 topic echo --csv`, which writes
-//! none, from the order of the message's fields.
+//! The columns of a ROS topic: from the header that `rostopic echo -p` and bag converters write, or, for `ros2 topic echo --csv`, which
+//! writes none, from the order of the message's fields.
 
+use crate::log::cells::split_cells;
 use crate::log::reading::Pose;
 use crate::log::track::yaw;
 use crate::log::values::{parse_real, quote};
+use std::borrow::Cow;
 use std::ops::Range;
 
-/// Where a row's time stands.
+/// The columns of a row's time.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum TimeColumns {
-    /// One cell, in units of so many a second; 0 there: the second one, of the same unit.
+    /// One column, with its units per second; where it is 0, the second column counts.
     One(usize, Option<usize>, f64),
-    /// Seconds and nanoseconds.
+    /// Columns of seconds and nanoseconds.
     Two(usize, usize),
 }
 
-/// What a row is.
+/// The columns of a message's data.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Body {
     /// A laser scan: first bearing, step, smallest and largest range, and the ranges.
     Scan([usize; 4], Range<usize>),
-    /// A scan whose number of ranges only the row tells: they begin here, as many intensities may follow.
+    /// A scan with a number of ranges that only its row gives: the first range's column; as many intensities may follow.
     OpenScan([usize; 4], usize),
     /// A range: its field of view, smallest and largest range, range, and kind of radiation.
     Range([usize; 4], Option<usize>),
@@ -28,20 +30,20 @@ pub(super) enum Body {
     Pose([usize; 6]),
 }
 
-/// A topic's rows.
+/// The columns of a topic's rows.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TopicLayout {
     pub time: TimeColumns,
-    /// The frame's name.
+    /// The column of the frame's name.
     pub frame: Option<usize>,
     pub(super) body: Body,
-    /// It has a line of names.
+    /// Whether the file has a line of names.
     pub header: bool,
-    /// Cells of a row; `None`: as many as there are.
+    /// Cells of a row; `None`: any number.
     pub width: Option<usize>,
 }
 
-/// Names as all these tools mean them: without `%`, `field.`, brackets.
+/// A column's name without the decoration of the different tools: `%`, `field.`, brackets.
 fn plain(name: &str) -> String {
     let name = name.trim().trim_start_matches(['%', '\u{feff}', '#']).trim().trim_matches('"');
     let name = name.strip_prefix("field.").or_else(|| name.strip_prefix('.')).unwrap_or(name);
@@ -49,16 +51,16 @@ fn plain(name: &str) -> String {
 }
 
 impl TopicLayout {
-    /// From the first line of a file; `None`: it is no such file.
+    /// From the first line of a file; `None`: it is no row of a ROS topic.
     pub fn of(line: &str) -> Option<TopicLayout> {
-        let cells: Vec<&str> = line.split(',').collect();
+        let cells = split_cells(line, b',');
         if cells.len() < 5 {
             return None;
         }
         TopicLayout::named(&cells).or_else(|| TopicLayout::bare(&cells))
     }
 
-    fn named(cells: &[&str]) -> Option<TopicLayout> {
+    fn named(cells: &[Cow<'_, str>]) -> Option<TopicLayout> {
         let names: Vec<String> = cells.iter().map(|cell| plain(cell)).collect();
         let find = |name: &str| names.iter().position(|n| n == name);
         let end = |name: &str| names.iter().position(|n| n.ends_with(name));
@@ -81,16 +83,14 @@ impl TopicLayout {
             (Some((s, ns)), ..) => TimeColumns::Two(s, ns),
             (None, Some(stamp), receipt) => TimeColumns::One(stamp, receipt, 1e9),
             // A receipt in whole nanoseconds, or in seconds: bagpy's Time.
-            (None, None, Some(at)) => {
-                TimeColumns::One(at, None, if cells[at].trim().starts_with('%') { 1e9 } else { 1.0 })
-            }
+            (None, None, Some(at)) => TimeColumns::One(at, None, if cells[at].starts_with('%') { 1e9 } else { 1.0 }),
             (None, None, None) => return None,
         };
         Some(TopicLayout { time, frame: end("header.frame_id"), body, header: true, width: Some(cells.len()) })
     }
 
     /// A row of `ros2 topic echo --csv`: seconds, nanoseconds, the frame's name, then the message's fields.
-    fn bare(cells: &[&str]) -> Option<TopicLayout> {
+    fn bare(cells: &[Cow<'_, str>]) -> Option<TopicLayout> {
         let number = |i: usize| cells.get(i).and_then(|cell| parse_real(cell));
         let whole = |i: usize| number(i).is_some_and(|v| v >= 0.0 && v.fract() == 0.0);
         let unnamed = |i: usize| number(i).is_none();
@@ -128,7 +128,7 @@ impl TopicLayout {
     }
 
     /// The time of a row, seconds.
-    pub fn time(&self, cells: &[&str]) -> Result<f64, String> {
+    pub fn time(&self, cells: &[Cow<'_, str>]) -> Result<f64, String> {
         let at = |i: usize| cell(cells, i, "the time");
         let t = match self.time {
             TimeColumns::One(first, second, per) => match (at(first)?, second) {
@@ -140,8 +140,8 @@ impl TopicLayout {
         if t.is_finite() { Ok(t) } else { Err(format!("the time is {t}")) }
     }
 
-    /// The pose of a row of poses; `None`: they are no poses.
-    pub fn pose(&self, cells: &[&str]) -> Option<Result<Pose, String>> {
+    /// The pose of a row; `None`: the topic has no poses.
+    pub fn pose(&self, cells: &[Cow<'_, str>]) -> Option<Result<Pose, String>> {
         let Body::Pose(at) = &self.body else { return None };
         let read = || {
             let [x, y, qx, qy, qz, qw] = at.map(|i| cell(cells, i, "the pose"));
@@ -156,7 +156,7 @@ impl TopicLayout {
     }
 }
 
-/// A scan's cells, by their names.
+/// The columns of a scan, by their names.
 fn scan_body(names: &[String], find: &dyn Fn(&str) -> Option<usize>) -> Option<Body> {
     let head = [find("angle_min")?, find("angle_increment")?, find("range_min")?, find("range_max")?];
     let numbered = |name: &String| {
@@ -168,8 +168,11 @@ fn scan_body(names: &[String], find: &dyn Fn(&str) -> Option<usize>) -> Option<B
     Some(Body::Scan(head, first..first + count))
 }
 
-/// A number of a row.
-pub(super) fn cell(cells: &[&str], i: usize, what: &str) -> Result<f64, String> {
-    let text = cells.get(i).copied().unwrap_or_default();
+/// The number in cell `i` of a row.
+///
+/// # Errors
+/// A text that names the cell, counted from 1; `what` is the value's name.
+pub(super) fn cell(cells: &[Cow<'_, str>], i: usize, what: &str) -> Result<f64, String> {
+    let text = cells.get(i).map_or("", |cell| cell);
     parse_real(text).ok_or_else(|| format!("{what} (cell {}) is {}, not a number", i + 1, quote(text)))
 }

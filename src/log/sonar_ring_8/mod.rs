@@ -40,7 +40,7 @@ impl Format for SonarRing8 {
     fn sniff(&self, probe: &Probe<'_>) -> bool {
         match probe {
             Probe::Folder(folder) => [SONAR, LASER, POSES].iter().any(|names| find(folder, names).is_some()),
-            // One of the files alone: claimed so that the message can ask for the folder.
+            // A single file of such a log is recognised too, so that the message can ask for its folder.
             Probe::Text(text) => text.lines().next().is_some_and(|line| {
                 let fields: Vec<&str> = line.split_ascii_whitespace().collect();
                 matches!(fields.len(), 4 | 9 | 362) && fields.iter().all(|f| f.parse::<i64>().is_ok())

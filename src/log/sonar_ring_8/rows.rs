@@ -1,5 +1,4 @@
-//! Two files whose rows belong together, walked side by side: rows meet by position, and by time stamp where a row is
-//! missing or damaged in one of them.
+//! Reads two files with matching rows: rows match by position, and by time stamp where one file lacks a row.
 
 use crate::log::input::Input;
 use crate::log::lines::LineReader;
@@ -14,7 +13,7 @@ pub(super) struct Row {
     pub values: std::result::Result<Vec<f64>, String>,
 }
 
-/// The rows of one file, with the one that comes next in sight.
+/// Reads the rows of one file, with one row of lookahead.
 pub(super) struct RowReader {
     input: Input,
     lines: LineReader,
@@ -27,7 +26,7 @@ pub(super) struct RowReader {
 }
 
 impl RowReader {
-    /// The rows of `input`: a time stamp and so many columns.
+    /// The rows of `input`: a time stamp and `columns` columns.
     pub fn new(input: &Input, columns: usize) -> Result<RowReader> {
         let name = input.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok(RowReader {
@@ -42,7 +41,7 @@ impl RowReader {
         })
     }
 
-    /// Takes the row that is in sight.
+    /// Takes the current row.
     fn take(&mut self) -> Option<Row> {
         let row = self.now.take();
         self.now = self.next.take();
@@ -50,7 +49,7 @@ impl RowReader {
         row
     }
 
-    /// Looks at the first rows.
+    /// Reads the first two rows.
     fn begin(&mut self) {
         if !self.begun {
             self.begun = true;
@@ -107,18 +106,17 @@ fn parse(text: &str, columns: usize) -> (f64, std::result::Result<Vec<f64>, Stri
     (t, values)
 }
 
-/// What comes next of two files.
+/// The next row or pair of rows of two files.
 pub(super) enum RowMatch {
-    /// Nothing.
+    /// Both files have ended.
     End,
-    /// A row that has no partner, by its line, and why.
+    /// A row without a match: its line, and the reason.
     Unmatched(u64, String),
-    /// Two rows of one scan.
+    /// The two rows of a scan.
     Pair(Row, Row),
 }
 
-/// Steps on in two files. A missing row costs one bad line, not all that follow: where time stamps differ, it looks a row
-/// ahead for the place where they meet again.
+/// Matches the next rows of two files. Where time stamps differ, the row after is compared too, so a missing row is one bad line.
 pub(super) fn next_match(readings: &mut RowReader, poses: &mut RowReader) -> RowMatch {
     readings.begin();
     poses.begin();

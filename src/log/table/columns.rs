@@ -1,10 +1,10 @@
-//! What the columns of a table hold, as `--columns` says it: names with units, separated by commas.
+//! The columns of a table, from the text of `--columns`: names with units, separated by commas.
 
 use crate::log::values::quote;
 use crate::support::similar::similar;
 use std::fmt;
 
-/// What a column holds.
+/// The content of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ColumnRole {
     Skip,
@@ -25,7 +25,7 @@ pub(crate) enum ColumnRole {
     Label,
 }
 
-/// The names that `--columns` takes, the plain one of each first.
+/// The names of columns, the preferred one of each first.
 const NAMES: &[(&str, ColumnRole)] = &[
     ("t", ColumnRole::T),
     ("time", ColumnRole::T),
@@ -51,14 +51,14 @@ const NAMES: &[(&str, ColumnRole)] = &[
     ("_", ColumnRole::Skip),
 ];
 
-/// A column, and what its numbers are multiplied with to be metres, radians or seconds.
+/// A column, and the factor from its unit to metres, radians or seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Column {
     pub role: ColumnRole,
     pub scale: f64,
 }
 
-/// The columns of a table: each so many times; `None`: as often as is left.
+/// The columns of a table with their repetitions; `None`: repeated to the end of the row.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Columns {
     items: Vec<(Column, Option<usize>)>,
@@ -72,7 +72,10 @@ impl fmt::Display for Columns {
 }
 
 impl Columns {
-    /// From its text. The error says what is wrong with it.
+    /// Parses the text of `--columns`.
+    ///
+    /// # Errors
+    /// A text that names the column at fault.
     pub fn parse(text: &str) -> Result<Columns, String> {
         let mut items = Vec::new();
         for item in text.split(',').map(str::trim) {
@@ -159,12 +162,15 @@ impl Columns {
         Ok(())
     }
 
-    /// Whether a column holds this.
+    /// Whether a column has this role.
     pub fn has(&self, role: ColumnRole) -> bool {
         self.items.iter().any(|(c, _)| c.role == role)
     }
 
-    /// Refuses columns that are no readings.
+    /// Checks that the columns make readings.
+    ///
+    /// # Errors
+    /// A text that names the missing column.
     pub fn gives_readings(&self) -> Result<(), String> {
         match (self.has(ColumnRole::Range), self.has(ColumnRole::Px), self.has(ColumnRole::T)) {
             (false, ..) => Err("no column is called range".into()),
@@ -173,7 +179,10 @@ impl Columns {
         }
     }
 
-    /// Refuses columns that are no poses with times.
+    /// Checks that the columns make poses with times.
+    ///
+    /// # Errors
+    /// A text that names the columns of poses.
     pub fn gives_poses(&self) -> Result<(), String> {
         match self.has(ColumnRole::Px) && self.has(ColumnRole::T) {
             true => Ok(()),
@@ -181,7 +190,10 @@ impl Columns {
         }
     }
 
-    /// The columns of a row of so many cells.
+    /// The columns of a row of `cells` cells.
+    ///
+    /// # Errors
+    /// A text that says how many cells were expected.
     pub fn of(&self, cells: usize) -> Result<Vec<Column>, String> {
         let fixed: usize = self.items.iter().filter_map(|(_, count)| *count).sum();
         let open = self.items.iter().any(|(_, count)| count.is_none());
@@ -201,7 +213,10 @@ impl Columns {
     }
 }
 
-/// What a unit's numbers are multiplied with. A minus turns an angle the other way round: clockwise.
+/// The factor from a unit to metres, radians or seconds. Angles with a minus sign are clockwise.
+///
+/// # Errors
+/// A text that lists the units of such a column.
 pub(crate) fn scale(role: ColumnRole, unit: &str) -> Result<f64, String> {
     let units: &[(&str, f64)] = match role {
         ColumnRole::T => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],

@@ -22,7 +22,10 @@ pub(super) mod suggest;
 
 /// The format's name, in reports.
 pub(super) const NAME: &str = "table";
-/// Opens a table. The text of `--columns` is wrong in ways that only the file can show: then the error names both.
+/// Opens a table.
+///
+/// # Errors
+/// [`Error::Usage`] if the columns do not fit; [`Error::Input`] if the table does not fit the columns.
 pub(super) fn open(place: &LogPath, options: &Options, text: &str) -> Result<Box<dyn Source>> {
     let input = require_file(place, "table")?;
     let usage = |what: String| Error::Usage(format!("--columns {text}: {what}"));
@@ -98,7 +101,7 @@ pub(super) fn open(place: &LogPath, options: &Options, text: &str) -> Result<Box
     }))
 }
 
-/// The error about a table whose columns nobody named, with a line that fits its header.
+/// The error about a table without named columns, with a suggestion for its header.
 pub(super) fn columns_needed(path: &Path, line: u64, header: &str, what: &str) -> Error {
     let rows = Separator::of(header);
     let cells = rows.split(header);

@@ -15,14 +15,14 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// How the ranges of a row belong to sensors.
+/// The sensors that a row's ranges belong to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RangeLayout {
-    /// One range, or several with an angle each.
+    /// One sensor: a single range, or several with an angle each.
     Own,
-    /// The beams of one laser.
+    /// One laser: a range for each beam.
     Beams,
-    /// A sonar each.
+    /// A ring of sonars: a range for each sonar.
     Ring,
 }
 

@@ -1,31 +1,32 @@
-//! Rows of a table: how their cells are separated, and what numbers look like in them.
+//! Rows of a table: the separator of their cells, and the form of their numbers.
 
 use super::columns::{ColumnRole, Columns};
+use crate::log::cells::split_cells;
 use crate::log::reading::Pose;
 use crate::log::values::{parse_real, quote};
 use std::borrow::Cow;
 
-/// What stands between cells.
+/// The separator of a table's cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Separator {
-    /// A character, with blanks around it or not.
-    Character(char),
+    /// A character, with or without blanks around it.
+    Character(u8),
     /// White space.
     Whitespace,
 }
 
 impl Separator {
-    /// As one of its lines shows.
+    /// The separator of a line.
     pub fn of(line: &str) -> Separator {
         let two_numbers = |cell: &str| {
             let mut parts = cell.split_ascii_whitespace();
             parts.clone().count() > 1 && parts.all(|part| parse_real(part).is_some())
         };
         match line {
-            _ if line.contains(';') => Separator::Character(';'),
-            _ if line.trim().contains('\t') => Separator::Character('\t'),
+            _ if line.contains(';') => Separator::Character(b';'),
+            _ if line.trim().contains('\t') => Separator::Character(b'\t'),
             // Blanks between numbers with decimal commas.
-            _ if line.contains(',') && !line.split(',').any(two_numbers) => Separator::Character(','),
+            _ if line.contains(',') && !line.split(',').any(two_numbers) => Separator::Character(b','),
             _ => Separator::Whitespace,
         }
     }
@@ -33,20 +34,13 @@ impl Separator {
     /// The cells of a line.
     pub fn split<'a>(self, line: &'a str) -> Vec<Cow<'a, str>> {
         let Separator::Character(separator) = self else { return line.split_whitespace().map(Cow::Borrowed).collect() };
-        if line.contains('"') {
-            let mut reader = ::csv::ReaderBuilder::new();
-            let reader = reader.has_headers(false).delimiter(separator as u8);
-            if let Some(Ok(row)) = reader.from_reader(line.as_bytes()).records().next() {
-                return row.iter().map(|cell| Cow::Owned(cell.trim().to_string())).collect();
-            }
-        }
-        line.split(separator).map(|cell| Cow::Borrowed(cell.trim())).collect()
+        split_cells(line, separator)
     }
 
-    /// Whether numbers may have a comma before their decimals.
+    /// A cell's number; with a decimal comma, if commas do not separate cells.
     pub fn number(self, cell: &str) -> Option<f64> {
         parse_real(cell).or_else(|| match self {
-            Separator::Character(',') if !cell.contains(',') => None,
+            Separator::Character(b',') if !cell.contains(',') => None,
             _ if cell.matches(',').count() == 1 && !cell.contains('.') => cell.replace(',', ".").parse().ok(),
             _ => None,
         })
@@ -57,7 +51,7 @@ impl Separator {
         self.split(line).iter().any(|cell| cell.contains(',') && self.number(cell).is_some())
     }
 
-    /// Whether a line is one of names: a cell that should be a number is none.
+    /// Whether a line holds names: a cell that should be a number is not one.
     pub fn is_header(self, line: &str, columns: &Columns) -> bool {
         let cells = self.split(line);
         let words = |cell: &str| !cell.is_empty() && cell != "null" && self.number(cell).is_none();
@@ -71,11 +65,17 @@ impl Separator {
     }
 
     /// A cell's number in metres, radians or seconds.
+    ///
+    /// # Errors
+    /// A text with the column's name and the cell.
     pub fn value(self, cell: &str, scale: f64, name: &str) -> Result<f64, String> {
         self.number(cell).map(|v| v * scale).ok_or_else(|| format!("{name} is {}, not a number", quote(cell)))
     }
 
-    /// The time and the pose of a row of poses.
+    /// The time, seconds, and the pose of a row of poses.
+    ///
+    /// # Errors
+    /// A text with the column's name and the cell.
     pub fn pose(self, line: &str, columns: &Columns) -> Result<(f64, Pose), String> {
         let cells = self.split(line);
         let columns = columns.of(cells.len())?;

@@ -8,13 +8,13 @@ use crate::log::text::for_each_line;
 use crate::log::values::quote;
 use crate::{Error, Result};
 
-/// What the first lines tell.
+/// The start of a table.
 pub(super) struct TableStart {
     pub rows: Separator,
     pub columns: Vec<Column>,
     /// The first line of data.
     pub line: u64,
-    /// Numbers have decimal commas.
+    /// Whether numbers have decimal commas.
     pub commas: bool,
 }
 
@@ -49,7 +49,7 @@ pub(super) fn comment(text: &str) -> bool {
     text.starts_with('#') || text.starts_with('%') || text.starts_with("//")
 }
 
-/// The names in the column of sensors.
+/// The ids in the column of sensors.
 pub(super) fn names(input: &Input, first: &TableStart) -> Result<Vec<String>> {
     let column = first.columns.iter().position(|column| column.role == ColumnRole::Sensor);
     let mut names: Vec<String> = Vec::new();

@@ -1,8 +1,8 @@
-//! A guess at what the columns of a header hold: a `--columns` line to start from.
+//! Suggests a `--columns` text for a header of unknown names.
 
 use std::borrow::Cow;
 
-/// Base names, as they are after their units and numbers are taken off, and what they are called in `--columns`.
+/// Column names of `--columns`, and the names that other programs use for them, without units and numbers.
 const GUESSES: &[(&str, &[&str])] = &[
     ("t", &["t", "time", "times", "timestamp", "stamp", "ts", "sec", "secs", "seconds", "elapsed", "epoch"]),
     (
@@ -93,7 +93,7 @@ const GUESSES: &[(&str, &[&str])] = &[
     ("scan", &["scan", "scanid", "scannumber", "scanno"]),
     ("label", &["label", "class"]),
 ];
-/// Names whose unit is in them.
+/// Names of times that include their unit.
 const CLOCKS: &[(&str, &str)] = &[
     ("millis", "ms"),
     ("milliseconds", "ms"),
@@ -121,7 +121,7 @@ const UNITS: &[(&str, &str)] = &[
     ("ns", "ns"),
 ];
 
-/// The `--columns` line that fits these names best; `-` for those that mean nothing.
+/// The `--columns` text that fits these names best; `-` for unknown names.
 pub(crate) fn columns_for(names: &[Cow<'_, str>]) -> String {
     let own = names.iter().any(|name| name.trim() == "px");
     let mut taken: Vec<&str> = Vec::new();
@@ -144,7 +144,7 @@ pub(crate) fn columns_for(names: &[Cow<'_, str>]) -> String {
     items.iter().map(text).collect::<Vec<_>>().join(",")
 }
 
-/// What a name is called in `--columns`, and its unit.
+/// The name in `--columns` of a header's name, and its unit.
 fn guess(name: &str, own: bool) -> Option<(&'static str, Option<&'static str>)> {
     let lower = name.trim().trim_start_matches(['%', '#']).to_lowercase();
     let mut words: Vec<&str> = lower.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
@@ -178,7 +178,7 @@ fn guess(name: &str, own: bool) -> Option<(&'static str, Option<&'static str>)> 
             starts.iter().any(|start| base.starts_with(start)).then_some("range")?
         }
     };
-    // A unit of another kind is none of this column's.
+    // A unit of another quantity is not this column's unit.
     let fits: &[&str] = match role {
         "t" => &["s", "ms", "us", "ns"],
         "heading" | "angle" => &["deg", "rad"],

@@ -5,17 +5,15 @@ use super::format::{Format, LogPath, Probe, RecordQueue, Source};
 use super::mounting::MountedSensor;
 use super::opening::laser_file;
 use super::scan::ScanHeader;
-use super::sick::no_return_code;
-use super::text::{LineParser, TextLog, for_each_line};
-use super::values::{check_pose, parse_number, quote};
+use super::text::{LineParser, TextLog};
+use super::values::{check_pose, quote};
 use crate::log::reading::Pose;
-use crate::sensor::{Description, Kind};
+use crate::sensor::Kind;
 use crate::{Error, Result};
-use std::collections::BTreeMap;
+use lasers::{AriaLaser, numbers, read_lasers, split_tag};
 use std::sync::Arc;
 
-/// No robot has more lasers; a damaged log might.
-const MOST_LASERS: u32 = 16;
+mod lasers;
 
 /// The format.
 pub(crate) struct Aria;
@@ -58,102 +56,6 @@ impl Format for Aria {
             parser: AriaParser { lasers: used.into(), global, t: 0.0, robot: None, scan: 0 },
         }))
     }
-}
-
-/// A laser, as far as the log describes it.
-#[derive(Clone, Default)]
-struct AriaLaser {
-    /// Its place on the robot.
-    mount: Pose,
-    /// Bearings of the first and the last beam, radians, and how many there are.
-    conf: Option<(f64, f64, u32)>,
-    /// It gives hit points; its ranges, if there are some too, are the same again.
-    points: bool,
-    /// Lines of ranges.
-    ranges: u64,
-    /// The largest range, mm.
-    largest: f64,
-}
-
-impl AriaLaser {
-    fn step(&self) -> Option<f64> {
-        let (first, last, count) = self.conf.filter(|(_, _, count)| *count > 1)?;
-        Some((last - first) / f64::from(count - 1)).filter(|step| *step != 0.0)
-    }
-
-    fn describe(&self, n: u32) -> Description {
-        let beams = |value| if self.points { None } else { value };
-        Description {
-            id: Some(format!("laser{n}")),
-            kind: Some(Kind::Laser),
-            x: Some(self.mount.x),
-            y: Some(self.mount.y),
-            axis: Some(self.mount.heading),
-            half_width: self.step().map(|step| (step.abs() / 2.0).min(0.5)),
-            r_max: no_return_code(self.largest).map(|code| code / 1000.0),
-            beams: self.conf.map(|(_, _, count)| count).filter(|_| !self.points),
-            first: beams(self.conf.map(|(first, _, _)| first)),
-            step: beams(self.step()),
-            ..Description::default()
-        }
-    }
-}
-
-/// `sick1: …`: what the tag is, which laser it is of, and what follows.
-fn split_tag(line: &str) -> Option<(&str, u32, &str)> {
-    let (tag, rest) = line.trim().split_once(':')?;
-    let digits = tag.find(|c: char| c.is_ascii_digit());
-    let (name, what) = match digits {
-        Some(at) => tag.split_at(at),
-        None => return Some((tag, 0, rest)),
-    };
-    let end = what.find(|c: char| !c.is_ascii_digit()).unwrap_or(what.len());
-    let n = what.get(..end)?.parse().ok().filter(|n| *n <= MOST_LASERS)?;
-    Some(match (name, what.get(end..)?) {
-        ("sick", "") => ("ranges", n, rest),
-        ("scan", "") => ("points", n, rest),
-        ("sick" | "scan", "pose") => ("pose", n, rest),
-        ("sick" | "scan", "conf") => ("conf", n, rest),
-        _ => ("other", n, rest),
-    })
-}
-
-fn numbers(text: &str) -> std::result::Result<Vec<f64>, String> {
-    text.split_ascii_whitespace().enumerate().map(|(i, field)| parse_number(i + 2, field)).collect()
-}
-
-/// What lasers there are, and whether the log has corrected poses.
-fn read_lasers(input: &super::input::Input) -> Result<(BTreeMap<u32, AriaLaser>, bool)> {
-    let mut lasers: BTreeMap<u32, AriaLaser> = BTreeMap::new();
-    let mut global = false;
-    for_each_line(input, |line, _| {
-        let Some((tag, n, rest)) = split_tag(line) else { return true };
-        match tag {
-            "robotGlobal" => global |= numbers(rest).is_ok_and(|v| v.len() >= 3),
-            "pose" | "conf" | "ranges" | "points" => {
-                let Ok(values) = numbers(rest) else { return true };
-                let laser = lasers.entry(n).or_default();
-                match (tag, values[..].len(), &values[..]) {
-                    // scan1pose has a height before its angle.
-                    ("pose", 3 | 4, [x, y, .., turn]) => {
-                        laser.mount = Pose { x: x / 1000.0, y: y / 1000.0, heading: turn.to_radians() };
-                    }
-                    ("conf", 3, [first, last, count]) if (1.0..1e6).contains(count) => {
-                        laser.conf = Some((first.to_radians(), last.to_radians(), *count as u32));
-                    }
-                    ("ranges", ..) => {
-                        laser.ranges += 1;
-                        laser.largest = values.iter().copied().fold(laser.largest, f64::max);
-                    }
-                    ("points", ..) => laser.points = true,
-                    _ => {}
-                }
-            }
-            _ => {}
-        }
-        true
-    })?;
-    Ok((lasers, global))
 }
 
 #[derive(Clone)]
@@ -233,7 +135,7 @@ fn ranges(
     Ok(())
 }
 
-/// Hit points in the robot's frame; (0, 0) is a beam without one.
+/// Appends readings from hit points in the robot's frame; (0, 0) is a beam without a hit.
 fn points(
     scan: &ScanHeader,
     mm: &[f64],
