@@ -7,9 +7,9 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use echogrid::bench::throughput::measure;
 use echogrid::bench::workload::standard;
+use echogrid::binning::batch::BATCH;
 use echogrid::kernels::{Choice, choose};
 use echogrid::method::{REGISTRY, Unit, make, settings::Settings};
-use echogrid::binning::batch::BATCH;
 use echogrid::pipeline::mapper::Mapper;
 
 fn kernels(c: &mut Criterion) {

@@ -23,7 +23,7 @@ pub mod view;
 #[cfg(feature = "cli")]
 pub mod cli;
 
-pub use support::error::{Error, Result};
+pub use support::error::{Error, ErrorKind, Result};
 
 /// The README's library example compiles.
 #[cfg(doctest)]

@@ -1,6 +1,6 @@
 //! The `echogrid` command: parse, run, print an error once, exit with its code.
 
-use echogrid::cli::Arguments;
+use echogrid::cli::{self, Arguments};
 use std::io::Write;
 use std::process::ExitCode;
 use tempfile::TempDir;
@@ -17,15 +17,15 @@ fn main() -> ExitCode {
     match Arguments::of_program().and_then(|asked| asked.map_or(Ok(0), run)) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            // A reader that went away is no second error.
-            let _ = writeln!(std::io::stderr(), "echogrid: {error}");
-            ExitCode::from(error.exit_code())
+            // A closed pipe is no second error.
+            let _ = writeln!(std::io::stderr(), "echogrid: {}", cli::with_flags(&error.to_string()));
+            ExitCode::from(cli::exit_code(&error))
         }
     }
 }
 
-/// A folder for `XDG_RUNTIME_DIR`, empty and the user's alone, where the session gives none: without it a Vulkan layer of Mesa's
-/// complains on standard error each time that adapters are looked for.
+/// Sets `XDG_RUNTIME_DIR` to an empty folder with the user's permissions only, where the session has none: without it Mesa prints a
+/// warning on standard error at each search for adapters.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn runtime_folder() -> Option<TempDir> {
     use std::os::unix::fs::PermissionsExt;
@@ -35,7 +35,7 @@ fn runtime_folder() -> Option<TempDir> {
     }
     let private = std::fs::Permissions::from_mode(0o700);
     let folder = tempfile::Builder::new().prefix("echogrid-").permissions(private).tempdir().ok()?;
-    echogrid::cli::remove_if_interrupted(folder.path());
+    cli::remove_if_interrupted(folder.path());
     // SAFETY: `main` calls this before it starts a thread, so that nobody reads the environment meanwhile.
     unsafe { std::env::set_var(NAME, folder.path()) };
     Some(folder)

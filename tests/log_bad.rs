@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-use echogrid::Error;
 use echogrid::log::{Log, Options, Problem};
+use echogrid::{Error, ErrorKind};
 use proptest::prelude::*;
 use std::fs::File;
 use std::io::Write;
@@ -14,7 +14,7 @@ const GOOD: &str = "{\"scan\":0,\"sensor\":0,\"px\":0,\"py\":0,\"ph\":0,\"z\":1}
 
 fn refused(bytes: &[u8]) -> String {
     let error = Log::read(bytes, &Options::default()).unwrap_err();
-    assert_eq!(error.exit_code(), 3, "{error}");
+    assert_eq!(error.kind(), ErrorKind::Input, "{error}");
     error.to_string()
 }
 
@@ -43,7 +43,7 @@ fn gz(text: &str) -> Vec<u8> {
 #[test]
 fn no_log_at_all() {
     let error = Log::open(Path::new("no/such.log"), &Options::default()).unwrap_err();
-    assert_eq!((error.to_string().as_str(), error.exit_code()), ("no/such.log: no such file or folder", 3));
+    assert_eq!((error.to_string().as_str(), error.kind()), ("no/such.log: no such file or folder", ErrorKind::Input));
     assert_eq!(refused(b""), "<stdin>: is empty");
     assert_eq!(refused(&gz("")), "<stdin>: is empty once unpacked");
     let file = tempfile::NamedTempFile::new().unwrap();
@@ -66,7 +66,7 @@ fn no_log_at_all() {
 fn a_bad_spool_folder() {
     let options = Options { spool: Some("no/such/folder".into()), ..Options::default() };
     let error = Log::read(HEADER.as_bytes(), &options).unwrap_err();
-    assert_eq!(error.exit_code(), 5);
+    assert_eq!(error.kind(), ErrorKind::Resources);
     assert!(error.to_string().contains("can't be copied to a temporary file in no/such/folder"), "{error}");
 }
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+use echogrid::ErrorKind;
 use echogrid::log::reading::Record;
 use echogrid::log::{Log, Options, Problem};
 use echogrid::sensor::Kind;
@@ -86,7 +87,7 @@ fn read(log: &Log) -> Vec<Record> {
 
 fn refused(bytes: &[u8]) -> String {
     let error = Log::read(bytes, &Options::default()).unwrap_err();
-    assert_eq!(error.exit_code(), 3, "{error}");
+    assert_eq!(error.kind(), ErrorKind::Input, "{error}");
     error.to_string()
 }
 

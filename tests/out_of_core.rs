@@ -165,5 +165,5 @@ fn a_card_that_would_take_more_than_the_cap() {
     assert!(plan.card > (4 * 20) << 20, "{plan:?}");
     assert!(plan.check_card(&session, None).is_ok() && plan.check_card(&session, Some(plan.card)).is_ok());
     let why = plan.check_card(&session, Some(plan.card - (1 << 20))).unwrap_err().to_string();
-    assert!(why.contains(" on the card, but --memory allows ") && why.contains("--backend cpu"), "{why}");
+    assert!(why.contains(" on the card, but `memory` allows ") && why.contains("`backend cpu`"), "{why}");
 }

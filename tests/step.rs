@@ -222,7 +222,13 @@ fn a_reading_is_explained_as_by_the_reference() {
             let found = explain(&stepper).unwrap().unwrap();
             let until = at;
             let (grid, sensors) = (*stepper.grid(), stepper.sensors());
-            let wanted = oracle::working(&grid, sensors, &readings[..until], &settings, None, at - 1).unwrap();
+            let wanted = oracle::trace(
+                &oracle::Setup { grid: &grid, sensors, settings: &settings },
+                &readings[..until],
+                None,
+                at - 1,
+            )
+            .unwrap();
             assert_eq!(found.n, wanted.arc_cells, "{name}");
             let mut cells = found.cells.clone();
             cells.sort_by_key(|c| (c.row, c.column));

@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
 
-use echogrid::Error;
 use echogrid::grid::{Data, GridSpec, Layer, Map, Scale};
 use echogrid::log::reading::{Outcome, Pose, Reading, Record};
 use echogrid::method::settings::Settings;
 use echogrid::output::write_working;
 use echogrid::sensor::{AtMax, Kind, Sensor};
+use echogrid::{Error, ErrorKind};
 use serde_json::Value;
 
 /// The colours behind the cone, and outside the grid.
@@ -234,7 +234,7 @@ fn what_can_not_be_shown_is_refused() {
     let missing = folder.path().join("missing");
     assert!(matches!(refused(&readings, 1, None, &missing), Error::Resources(_)));
     for x in [1e300, f64::NAN] {
-        assert_eq!(refused(&[reading(0, x, 0.5, 0.0, 0.4)], 1, None, folder.path()).exit_code(), 2);
+        assert_eq!(refused(&[reading(0, x, 0.5, 0.0, 0.4)], 1, None, folder.path()).kind(), ErrorKind::Usage);
     }
-    assert_eq!(refused(&[reading(7, 0.5, 0.5, 0.0, 0.4)], 1, None, folder.path()).exit_code(), 2);
+    assert_eq!(refused(&[reading(7, 0.5, 0.5, 0.0, 0.4)], 1, None, folder.path()).kind(), ErrorKind::Usage);
 }

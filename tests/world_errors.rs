@@ -1,7 +1,7 @@
 //! Bad worlds: each error names the line and what to do.
 
-use echogrid::Error;
 use echogrid::world::{Rig, World};
+use echogrid::{Error, ErrorKind};
 use std::path::Path;
 
 const ROOM: &str = "[[outline]]\npoints = [[0,0],[4,0],[4,3],[0,3],[0,0]]\n";
@@ -16,7 +16,7 @@ fn files_that_are_no_worlds() {
     assert!(said(&folder.path().join("none.toml")).contains("none.toml"));
     let huge = "[campus]\nwidth = 20000\nheight = 20000\n";
     if echogrid::support::memory::available().is_some_and(|free| free < 35 << 30) {
-        assert_eq!(World::parse(Path::new("huge.toml"), huge).unwrap_err().exit_code(), 5);
+        assert_eq!(World::parse(Path::new("huge.toml"), huge).unwrap_err().kind(), ErrorKind::Resources);
     }
 }
 
@@ -131,5 +131,5 @@ fn errors_name_line_and_remedy() {
         Rig::named("ring16").map(|r| (r.readings(), r.transducers[4].sensor.axis.to_degrees())).unwrap(),
         (16, 90.0)
     );
-    assert_eq!(Rig::named("ring0").map(|r| r.name).unwrap_err().exit_code(), 2);
+    assert_eq!(Rig::named("ring0").map(|r| r.name).unwrap_err().kind(), ErrorKind::Usage);
 }

@@ -137,11 +137,11 @@ fn nothing_is_known_without_a_scan() {
 
 #[test]
 fn a_lasers_world_is_known_as_far_as_the_laser_sees() {
-    use echogrid::evaluate::score::reach;
+    use echogrid::evaluate::score::sensor_range;
     let shape = "[[outline]]\npoints = [[0,0],[12,0],[12,5],[0,5],[0,0]]\n[path]\nposes = [[1,1]]\n";
-    let of = |rig: &str| reach(&world(&format!("{shape}[rig]\nkind = \"{rig}\"\n")), None).unwrap();
+    let of = |rig: &str| sensor_range(&world(&format!("{shape}[rig]\nkind = \"{rig}\"\n")), None).unwrap();
     assert_eq!([of("dense"), of("ring8"), of("laser")], [5.0, 5.0, 13.0]);
-    assert_eq!(reach(&world(shape), Some(2.0)).unwrap(), 2.0);
+    assert_eq!(sensor_range(&world(shape), Some(2.0)).unwrap(), 2.0);
 }
 
 #[test]

@@ -1,17 +1,19 @@
 //! `echogrid check`.
 
-use super::common::{count, spinner};
-use super::{note, say};
+use super::exit::DIFFERS;
+use super::progress::spinner;
+use super::text::count;
+use super::{print_line, print_note};
 use crate::Result;
 use crate::output::check;
-use crate::support::memory::show;
+use crate::support::memory::format_size;
 use clap::ValueHint;
 use serde_json::json;
 use std::path::PathBuf;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
-pub struct Command {
+pub struct CheckArguments {
     /// The map's folder
     #[arg(value_hint = ValueHint::DirPath)]
     map: PathBuf,
@@ -20,30 +22,30 @@ pub struct Command {
     json: bool,
 }
 
-impl Command {
-    /// Reads a stored map through; 1 if it is damaged.
+impl CheckArguments {
+    /// Reads a stored map through; exit code 1 if it is damaged.
     pub fn run(self) -> Result<u8> {
-        let sign = spinner("checking", self.json);
+        let progress = spinner("checking", self.json);
         let found = check(&self.map, &|| {})?;
-        drop(sign);
+        drop(progress);
         let whole = found.problems.is_empty();
         if self.json {
             let all = json!({
                 "layers": found.layers, "shards": found.shards, "bytes": found.bytes, "whole": whole, "problems": found.problems,
             });
-            say!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
+            print_line!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
         } else {
-            say!(
+            print_line!(
                 "{}, {}, {}: {}",
                 count(found.layers as u64, "layer"),
                 count(found.shards, "stored piece"),
-                show(found.bytes),
+                format_size(found.bytes),
                 if whole { "whole" } else { "damaged" }
             );
         }
         for problem in &found.problems {
-            note!("{}: {problem}", self.map.display());
+            print_note!("{}: {problem}", self.map.display());
         }
-        Ok(u8::from(!whole))
+        Ok(if whole { 0 } else { DIFFERS })
     }
 }

@@ -1,6 +1,7 @@
 //! `echogrid compare`.
 
-use super::{note, say};
+use super::exit::DIFFERS;
+use super::{print_line, print_note};
 use crate::evaluate::compare::{Options, compare, write_pictures};
 use crate::output::read_map;
 use crate::{Error, Result};
@@ -9,7 +10,7 @@ use std::path::PathBuf;
 
 /// Arguments of `compare`.
 #[derive(Debug, clap::Args)]
-pub struct Compare {
+pub struct CompareArguments {
     /// A map's folder
     #[arg(value_hint = ValueHint::DirPath)]
     a: PathBuf,
@@ -30,8 +31,8 @@ pub struct Compare {
     json: bool,
 }
 
-impl Compare {
-    /// Compares the maps; 1 if they differ.
+impl CompareArguments {
+    /// Compares the maps; exit code 1 if they differ.
     pub fn run(self) -> Result<u8> {
         if !(self.tol >= 0.0 && self.tol.is_finite()) {
             return Err(Error::Usage(format!("--tol {} is no tolerance: give 0 or more", self.tol)));
@@ -39,15 +40,15 @@ impl Compare {
         let (a, b) = (read_map(&self.a)?, read_map(&self.b)?);
         let comparison = compare(&a.map, &b.map, &Options { tolerance: self.tol, common: self.common })?;
         if self.json {
-            say!("{}", serde_json::to_string_pretty(&comparison).unwrap_or_default());
+            print_line!("{}", serde_json::to_string_pretty(&comparison).unwrap_or_default());
         } else {
-            say!("{comparison}");
+            print_line!("{comparison}");
         }
         if let (false, Some(folder)) = (comparison.equal, &self.pictures) {
             for path in write_pictures(&a.map, &b.map, &comparison, folder)? {
-                note!("see {}", path.display());
+                print_note!("see {}", path.display());
             }
         }
-        Ok(u8::from(!comparison.equal))
+        Ok(if comparison.equal { 0 } else { DIFFERS })
     }
 }

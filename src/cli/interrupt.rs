@@ -1,10 +1,11 @@
-//! Ctrl-C, and SIGTERM: the command ends at once, cleans up what nobody can use, and says what stays. A second signal waits for
-//! nothing.
+//! Ctrl-C and SIGTERM: the command ends at once, removes temporary files, and says what stays. A second signal ends it without
+//! cleaning up.
 //!
-//! The signals come to a thread of their own, so that no other has to ask for them. What must not be cut in two, such as the
-//! renaming that makes a finished map the user's, is done under [`unbroken`]: the first signal waits for it.
+//! A thread of its own handles the signals. Work that must not be interrupted, such as the renaming of a finished map, holds the guard
+//! of [`defer_signals`]: the first signal waits for it.
 
-use super::note;
+use super::exit::SIGNALLED;
+use super::print_note;
 use crate::output::{begun, discard};
 use indicatif::{ProgressBar, WeakProgressBar};
 use std::io::{IsTerminal, Write};
@@ -12,185 +13,186 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
-/// What is added to a signal's number to make the exit code, as shells do.
-const SIGNALLED: i32 = 128;
-
-/// Held while something must not be cut in two.
+/// Held while signals are deferred.
 static GATE: Mutex<()> = Mutex::new(());
-/// Whether a signal has come.
-static COME: AtomicBool = AtomicBool::new(false);
-static NOW: Mutex<Now> = Mutex::new(Now { bar: None, temporary: Vec::new(), output: None, complete: None });
+/// Whether a signal was received.
+static RECEIVED: AtomicBool = AtomicBool::new(false);
+static STATE: Mutex<State> = Mutex::new(State { bar: None, temporary: Vec::new(), output: None, complete: None });
 
-/// What is under way.
-struct Now {
-    /// The progress bar that was shown last. It ends with its owner: held here it would stay on the screen.
+/// What a signal has to clean up.
+struct State {
+    /// The progress bar that was shown last; weak, so that it ends with its owner.
     bar: Option<WeakProgressBar>,
-    /// Files and folders that go when the command ends.
+    /// Files and folders to remove.
     temporary: Vec<PathBuf>,
     output: Option<Output>,
-    /// The map that was finished.
+    /// The finished map.
     complete: Option<PathBuf>,
 }
 
-/// A map's folder under way.
+/// An unfinished map's folder.
 struct Output {
     partial: PathBuf,
-    /// The folders above it that were made for it, the innermost first.
-    made: Vec<PathBuf>,
-    /// Whether the command can go on with it another time, and says so.
+    /// The folders above it that were created for it, the innermost first.
+    created_parents: Vec<PathBuf>,
+    /// Whether `--resume` can go on with it.
     resumable: bool,
-    /// Whether chunks are being written: it is no more to be removed under their writer's hands.
+    /// Whether chunks are being written, so that the folder stays.
     writing: bool,
 }
 
-/// What must not be cut in two is done while this lives.
-pub type Unbroken = MutexGuard<'static, ()>;
+/// Signals are deferred while this lives.
+pub type SignalGuard = MutexGuard<'static, ()>;
 
-/// Begins something that must not be cut in two.
-pub fn unbroken() -> Unbroken {
+/// Defers signals until the guard is dropped.
+pub fn defer_signals() -> SignalGuard {
     GATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn now() -> MutexGuard<'static, Now> {
-    NOW.lock().unwrap_or_else(PoisonError::into_inner)
+fn state() -> MutexGuard<'static, State> {
+    STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A bar that is on the screen from now on: it is taken away before anything is said.
-pub fn shows(bar: &ProgressBar) {
-    now().bar = Some(bar.downgrade());
+/// Registers a bar that is on the screen: messages are printed above it.
+pub fn register_bar(bar: &ProgressBar) {
+    state().bar = Some(bar.downgrade());
 }
 
-/// Prints something while a bar may be on the screen: the bar is taken away and drawn again.
-pub fn aside(print: impl FnOnce()) {
-    // Who holds the lock has taken the bar away.
-    let bar = NOW.try_lock().ok().and_then(|now| now.bar.as_ref()?.upgrade());
+/// Prints something while a bar may be on the screen: the bar is removed and drawn again.
+pub fn suspend_bar(print: impl FnOnce()) {
+    // The holder of the lock has removed the bar.
+    let bar = STATE.try_lock().ok().and_then(|state| state.bar.as_ref()?.upgrade());
     match bar.filter(|b| !b.is_finished()) {
         Some(bar) => bar.suspend(print),
         None => print(),
     }
 }
 
-/// A file or a folder that goes when a signal ends the command.
-pub fn removes(path: &Path) {
-    now().temporary.push(path.into());
+/// Registers a file or a folder that is removed when a signal ends the command.
+pub fn register_temporary(path: &Path) {
+    state().temporary.push(path.into());
 }
 
 /// The folders above `path` that are not there yet, the innermost first.
-pub fn missing_above(path: &Path) -> Vec<PathBuf> {
+pub fn missing_parents(path: &Path) -> Vec<PathBuf> {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
     path.ancestors().skip(1).take_while(|a| !a.exists()).map(PathBuf::from).collect()
 }
 
-/// A map is under way in `partial`; `made`: the folders above it that were made for it. `resumable`: `--resume` can go on with it.
-pub fn output(partial: &Path, made: Vec<PathBuf>, resumable: bool) {
-    now().output = Some(Output { partial: partial.into(), made, resumable, writing: false });
+/// Registers the folder `partial` of an unfinished map. `created_parents`: the folders above it that were created for it, the innermost
+/// first. `resumable`: `--resume` can go on with it.
+pub fn register_output(partial: &Path, created_parents: Vec<PathBuf>, resumable: bool) {
+    state().output = Some(Output { partial: partial.into(), created_parents, resumable, writing: false });
 }
 
-/// From now on the map's chunks are written.
-pub fn writing() {
-    let _whole = unbroken();
-    if let Some(output) = &mut now().output {
+/// Marks that the map's chunks are being written.
+pub fn mark_writing() {
+    let _guard = defer_signals();
+    if let Some(output) = &mut state().output {
         output.writing = true;
     }
 }
 
-/// The map under way is finished, and lies in `place`. Does not return where a signal waits: the command ends there.
-pub fn finished(place: &Path, unbroken: Unbroken) {
-    let mut now = now();
-    (now.output, now.complete) = (None, Some(place.into()));
-    drop((now, unbroken));
-    while COME.load(Ordering::SeqCst) {
+/// Marks that the map is finished, and lies in `place`. Where a signal waits this doesn't return: the process ends.
+pub fn mark_finished(place: &Path, guard: SignalGuard) {
+    let mut state = state();
+    (state.output, state.complete) = (None, Some(place.into()));
+    drop((state, guard));
+    while RECEIVED.load(Ordering::SeqCst) {
         std::thread::park();
     }
 }
 
-/// Begins to listen to the signals. Where they can't be listened to they end the process, as they do by default.
+/// Starts the thread that handles the signals. Where it can't start they end the process, as by default.
 pub fn listen() {
-    // Without a thread for it the signals do what they do by default.
     let _ = std::thread::Builder::new().name("signals".into()).spawn(|| {
-        signals(|signal| {
-            if COME.swap(true, Ordering::SeqCst) {
-                leave(signal);
+        for_each_signal(|signal| {
+            if RECEIVED.swap(true, Ordering::SeqCst) {
+                exit_by(signal);
             }
-            std::thread::spawn(move || end(signal));
+            std::thread::spawn(move || shut_down(signal));
         });
     });
 }
 
-/// Waits until nothing is under way that must not be cut in two, cleans up, says what stays, and ends the process.
-fn end(signal: i32) {
-    if !clear(now().bar.take().and_then(|bar| bar.upgrade())) && std::io::stderr().is_terminal() {
+/// Waits for work that defers signals, cleans up, says what stays, and ends the process.
+fn shut_down(signal: i32) {
+    if !clear_bar(state().bar.take().and_then(|bar| bar.upgrade())) && std::io::stderr().is_terminal() {
         // The terminal shows ^C.
         let _ = writeln!(std::io::stderr());
     }
-    let _whole = match GATE.try_lock() {
-        Ok(whole) => whole,
+    let _guard = match GATE.try_lock() {
+        Ok(guard) => guard,
         Err(TryLockError::Poisoned(e)) => e.into_inner(),
         Err(TryLockError::WouldBlock) => {
-            note!("interrupted: the files under way are being finished; Ctrl-C again ends it at once");
-            unbroken()
+            print_note!("interrupted: the files under way are being finished; Ctrl-C again ends it at once");
+            defer_signals()
         }
     };
-    let mut now = now();
-    clear(now.bar.take().and_then(|bar| bar.upgrade()));
-    if let Some(output) = now.output.take() {
+    let mut state = state();
+    clear_bar(state.bar.take().and_then(|bar| bar.upgrade()));
+    if let Some(output) = state.output.take() {
         let stays = output.writing || begun(&output.partial);
         if !stays {
             discard(&output.partial);
-            // What holds anything else stays: only empty folders can be removed so.
-            output.made.iter().take_while(|folder| std::fs::remove_dir(folder).is_ok()).count();
+            // Folders that hold anything else stay: `remove_dir` removes empty ones only.
+            output.created_parents.iter().take_while(|folder| std::fs::remove_dir(folder).is_ok()).count();
         }
         match (stays, output.resumable) {
-            (true, true) => note!(
+            (true, true) => print_note!(
                 "interrupted: the unfinished map stays in {}; give the same command with --resume to go on with it, or with \
                  --overwrite to begin anew",
                 output.partial.display()
             ),
-            (false, true) => note!("interrupted: nothing was mapped yet, and nothing stays"),
+            (false, true) => print_note!("interrupted: nothing was mapped yet, and nothing stays"),
             _ => {}
         }
-    } else if let Some(place) = &now.complete {
-        note!("interrupted: {} is complete", place.display());
+    } else if let Some(place) = &state.complete {
+        print_note!("interrupted: {} is complete", place.display());
     }
-    for path in now.temporary.drain(..) {
+    for path in state.temporary.drain(..) {
         let _ = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
     }
-    leave(signal)
+    exit_by(signal)
 }
 
-/// Takes a bar away for good; whether there was one.
-fn clear(bar: Option<ProgressBar>) -> bool {
+/// Removes a bar from the screen; whether there was one.
+fn clear_bar(bar: Option<ProgressBar>) -> bool {
     let Some(bar) = bar.filter(|b| !b.is_hidden() && !b.is_finished()) else { return false };
     bar.finish_and_clear();
-    // Others may still move it.
+    // Its owner may still advance it.
     bar.set_draw_target(indicatif::ProgressDrawTarget::hidden());
     true
 }
 
-/// Calls `come` with each signal that comes.
+/// Calls `receive` with each signal.
 #[cfg(unix)]
-fn signals(mut come: impl FnMut(i32)) {
+fn for_each_signal(mut receive: impl FnMut(i32)) {
     use signal_hook::consts::{SIGINT, SIGTERM};
     if let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) {
-        signals.forever().for_each(&mut come);
+        signals.forever().for_each(&mut receive);
     }
 }
 
-/// Ends the process. Not by `exit`: what drivers and threads do there at the end, while others run, may hang or crash.
+/// Ends the process. Not by `exit`: the exit handlers of drivers may hang or crash while other threads run.
 #[cfg(unix)]
-fn leave(signal: i32) {
+fn exit_by(signal: i32) {
     signal_hook::low_level::exit(SIGNALLED + signal);
 }
 
-#[cfg(not(unix))]
-fn signals(mut come: impl FnMut(i32)) {
+#[cfg(all(not(unix), feature = "view"))]
+fn for_each_signal(mut receive: impl FnMut(i32)) {
     let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_all().build() else { return };
     while runtime.block_on(tokio::signal::ctrl_c()).is_ok() {
-        come(2);
+        receive(2);
     }
 }
 
+/// Without a runtime for Ctrl-C it ends the process, as by default.
+#[cfg(all(not(unix), not(feature = "view")))]
+fn for_each_signal(_: impl FnMut(i32)) {}
+
 #[cfg(not(unix))]
-fn leave(signal: i32) {
+fn exit_by(signal: i32) {
     std::process::exit(SIGNALLED + signal);
 }

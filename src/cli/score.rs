@@ -1,18 +1,21 @@
 //! `echogrid score`.
 
-use super::{note, say};
-use crate::evaluate::score::{Check, Options, Requirement, Score, Truth, open_map_noting, score, table, write_report};
+use super::exit::DIFFERS;
+use super::{print_line, print_note};
+use crate::evaluate::score::{
+    Check, Options, Requirement, Score, Truth, open_map_with_notes, score, table, write_report,
+};
 use crate::{Error, Result};
 use clap::ValueHint;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// The widest tolerance, cells.
-const WIDEST: u64 = 50;
+const MAX_TOLERANCE: u64 = 50;
 
 /// Arguments of `score`.
 #[derive(Debug, clap::Args)]
-pub struct Command {
+pub struct ScoreArguments {
     /// Maps: folders that `echogrid map` wrote, or ROS maps by their .yaml file
     #[arg(required = true, value_name = "MAP", value_hint = ValueHint::AnyPath)]
     maps: Vec<PathBuf>,
@@ -23,7 +26,7 @@ pub struct Command {
     #[arg(long, value_name = "EXPR")]
     require: Vec<Requirement>,
     /// Cells by which an occupied cell may lie beside a true one; 1: the eight neighbours
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..=WIDEST))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..=MAX_TOLERANCE))]
     tolerance: u64,
     /// Decide cells by their probability, occupied above the first, empty below the second, not by the method's rule
     #[arg(long, value_name = "HIGH,LOW", value_delimiter = ',', num_args = 1)]
@@ -39,17 +42,17 @@ pub struct Command {
     json: bool,
 }
 
-impl Command {
-    /// Scores the maps; 1 if a requirement does not hold.
+impl ScoreArguments {
+    /// Scores the maps; exit code 1 if a requirement does not hold.
     pub fn run(self) -> Result<u8> {
         let options = Options { tolerance: self.tolerance as usize, decide: self.decide()? };
-        self.output.as_deref().map_or(Ok(()), check)?;
-        let truth = Truth::open_noting(&self.truth, self.r_max, &mut |what| note!("{what}"))?;
+        self.output.as_deref().map_or(Ok(()), check_folder)?;
+        let truth = Truth::open_with_notes(&self.truth, self.r_max, &mut |what| print_note!("{what}"))?;
         let mut scores: Vec<Score> = Vec::new();
         for path in &self.maps {
             let name = path.display().to_string();
-            let map = open_map_noting(path, &mut |what| note!("{what}"))?;
-            scores.push(score(&name, &map, &truth, &options).map_err(|e| about(&name, e))?);
+            let map = open_map_with_notes(path, &mut |what| print_note!("{what}"))?;
+            scores.push(score(&name, &map, &truth, &options).map_err(|e| name_map(&name, e))?);
         }
         let mut checks: Vec<Check> = Vec::new();
         for requirement in &self.require {
@@ -66,18 +69,18 @@ impl Command {
                 "maps": scores,
                 "require": checks,
             });
-            say!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
+            print_line!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
         } else {
-            say!("truth: {}\n{}", truth.about(&name), table(&scores));
+            print_line!("truth: {}\n{}", truth.describe(&name), table(&scores));
         }
         if let Some(folder) = &self.output {
-            note!("see {}", write_report(folder, &truth.about(&name), &scores, &checks)?.display());
+            print_note!("see {}", write_report(folder, &truth.describe(&name), &scores, &checks)?.display());
         }
         for Check { require, path, value, .. } in checks.iter().filter(|c| !c.held) {
             let value = value.map_or("there is nothing to measure".into(), |v| format!("it is {v:.6}"));
-            note!("{path}: {require} does not hold: {value}");
+            print_note!("{path}: {require} does not hold: {value}");
         }
-        Ok(u8::from(checks.iter().any(|c| !c.held)))
+        Ok(if checks.iter().all(|c| c.held) { 0 } else { DIFFERS })
     }
 
     fn decide(&self) -> Result<Option<(f64, f64)>> {
@@ -89,8 +92,8 @@ impl Command {
     }
 }
 
-/// Refuses a folder that holds files of a report's names without being an earlier report: they would be written over.
-fn check(folder: &Path) -> Result<()> {
+/// Refuses a folder with files of a report's names that no report wrote: they would be overwritten.
+fn check_folder(folder: &Path) -> Result<()> {
     let page = std::fs::read_to_string(folder.join("score.html"));
     if page.is_ok_and(|page| page.contains("<title>echogrid score</title>")) {
         return Ok(());
@@ -106,8 +109,8 @@ fn check(folder: &Path) -> Result<()> {
     }
 }
 
-/// Names the map in an error about its cells.
-fn about(map: &str, error: Error) -> Error {
+/// Adds the map to an error about its cells.
+fn name_map(map: &str, error: Error) -> Error {
     match error {
         Error::Usage(what) => Error::Usage(format!("{map}: {what}")),
         other => other,

@@ -1,8 +1,9 @@
 //! `echogrid simulate`: a log of a world.
 
-use super::common::{bar, threads, use_threads};
-use super::offered::Offered;
-use super::{interrupt, note, say};
+use super::progress::bar;
+use super::suggested_values::SuggestedValues;
+use super::values::{parse_threads, use_threads};
+use super::{interrupt, print_line, print_note};
 use crate::world::{Rig, SHIPPED, Shipped, Simulation, World, simulate};
 use crate::{Error, Result};
 use clap::ValueHint;
@@ -14,7 +15,7 @@ use tempfile::NamedTempFile;
 
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
-pub struct Simulate {
+pub struct SimulateArguments {
     /// The world: a built-in one, such as room, or a TOML file
     #[arg(required_unless_present = "list", value_hint = ValueHint::FilePath)]
     world: Option<PathBuf>,
@@ -28,7 +29,7 @@ pub struct Simulate {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// What the robot carries: dense, ring8, ringN (1 to 360 sonars) or laser [default: the world's]
-    #[arg(long, value_parser = Offered(rigs), hide_possible_values = true)]
+    #[arg(long, value_parser = SuggestedValues(rigs), hide_possible_values = true)]
     rig: Option<String>,
     /// Scans [default: one at each stop of the path; more go round again]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -40,22 +41,22 @@ pub struct Simulate {
     #[arg(long)]
     no_specular: bool,
     /// Threads; 0: one a core
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     threads: usize,
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
 }
 
-impl Simulate {
-    /// Simulates, and says how it went.
+impl SimulateArguments {
+    /// Simulates, and prints a summary.
     pub fn run(self) -> Result<u8> {
         // without --list both are required
         let (Some(name), Some(output)) = (&self.world, &self.output) else {
-            SHIPPED.iter().for_each(|s| say!("{:<10}{}", s.name, s.about()));
+            SHIPPED.iter().for_each(|s| print_line!("{:<10}{}", s.name, s.about()));
             return Ok(0);
         };
-        Shipped::beside_file(name).iter().for_each(|what| note!("{what}"));
+        Shipped::beside_file(name).iter().for_each(|what| print_note!("{what}"));
         let world = World::find(name)?;
         let mut rig = match &self.rig {
             Some(name) => Rig::named(name)?,
@@ -65,7 +66,7 @@ impl Simulate {
         rig.physics.specular &= !self.no_specular;
         use_threads(self.threads)?;
         let to_stdout = output == Path::new("-");
-        let out = Target::open(output)?;
+        let out = Destination::open(output)?;
         let bar = bar(self.scans.unwrap_or(world.trajectory.len() as u64), "simulating", self.quiet);
         let started = Instant::now();
         let out = BufWriter::with_capacity(1 << 20, out);
@@ -77,7 +78,7 @@ impl Simulate {
         out.into_inner().map_err(|e| unwritable(output, e))?.finish(output)?;
         let seconds = started.elapsed().as_secs_f64();
         if !self.quiet && !to_stdout {
-            say!(
+            print_line!(
                 "{}: {} readings ({}) in {} scans, {:.0} % without an echo; {:.0} readings/s",
                 world.name,
                 done.readings,
@@ -86,31 +87,31 @@ impl Simulate {
                 100.0 * done.no_echo as f64 / done.readings as f64,
                 done.readings as f64 / seconds
             );
-            say!("Next: echogrid map {} -o DIR", output.display());
+            print_line!("Next: echogrid map {} -o DIR", output.display());
         }
         Ok(0)
     }
 }
 
-/// The rigs that a shell offers.
+/// The rigs that shell completion suggests.
 fn rigs() -> Vec<String> {
     ["dense", "ring8", "ring24", "laser"].map(String::from).into()
 }
 
-/// Where a log goes. One on disk grows beside its place and is moved there when it is whole.
-enum Target {
+/// The destination of a log. A file is written under a temporary name beside its place, and renamed when it is complete.
+enum Destination {
     Stream(Box<dyn Write + Send>),
     File(NamedTempFile),
 }
 
-impl Target {
-    fn open(path: &Path) -> Result<Target> {
+impl Destination {
+    fn open(path: &Path) -> Result<Destination> {
         if path == Path::new("-") {
-            return Ok(Target::Stream(Box::new(io::stdout())));
+            return Ok(Destination::Stream(Box::new(io::stdout())));
         }
         if path.exists() && !path.is_file() && !path.is_dir() {
             // a pipe or a device
-            return Ok(Target::Stream(Box::new(File::create(path).map_err(|e| unwritable(path, e))?)));
+            return Ok(Destination::Stream(Box::new(File::create(path).map_err(|e| unwritable(path, e))?)));
         }
         if path.is_dir() {
             return Err(Error::Resources(format!("{} is a folder: give a file with -o", path.display())));
@@ -126,39 +127,39 @@ impl Target {
         let name = path.file_name().unwrap_or_default();
         let file = tempfile::Builder::new().prefix(name).suffix(".partial").make_in(folder, |p| File::create_new(p));
         let file = file.map_err(|e| unwritable(path, e))?;
-        interrupt::removes(file.path());
-        Ok(Target::File(file))
+        interrupt::register_temporary(file.path());
+        Ok(Destination::File(file))
     }
 
     fn finish(self, path: &Path) -> Result<()> {
         match self {
-            Target::Stream(_) => Ok(()),
-            Target::File(file) => file.persist(path).map(drop).map_err(|e| unwritable(path, e.error)),
+            Destination::Stream(_) => Ok(()),
+            Destination::File(file) => file.persist(path).map(drop).map_err(|e| unwritable(path, e.error)),
         }
     }
 }
 
-impl Write for Target {
+impl Write for Destination {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Target::Stream(out) => match out.write(bytes) {
-                // a reader that went away has all it wants
+            Destination::Stream(out) => match out.write(bytes) {
+                // A closed pipe: the reader has all it wants.
                 Err(e) if e.kind() == io::ErrorKind::BrokenPipe => std::process::exit(0),
                 other => other,
             },
-            Target::File(out) => out.write(bytes),
+            Destination::File(out) => out.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Target::Stream(out) => out.flush(),
-            Target::File(out) => out.flush(),
+            Destination::Stream(out) => out.flush(),
+            Destination::File(out) => out.flush(),
         }
     }
 }
 
-/// Whether a log may take a file's place: there is none, or it is empty, or it begins as echogrid's own logs do.
+/// Whether a log may replace the file at a path: there is none, or it is empty, or it begins as echogrid's own logs do.
 fn replaceable(path: &Path) -> io::Result<bool> {
     const BEGIN: &[u8] = b"{\"echogrid_log\"";
     let mut begin = Vec::new();

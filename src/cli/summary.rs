@@ -1,8 +1,8 @@
-//! What `map` says when it is done: what became of the readings, what the map holds, on what it ran, and whether another method would
-//! serve the log better.
+//! The summary of `map`: the readings used and rejected, the map's cells, the backend, and a hint where another method suits the log
+//! better.
 
-use super::common::count;
-use super::say;
+use super::print_line;
+use super::text::count;
 use crate::feature::{Summary, Times};
 use crate::log::reading::Counts;
 use crate::method;
@@ -14,9 +14,9 @@ use indicatif::HumanCount;
 use std::path::Path;
 
 /// Prints the summary of a map.
-pub(super) fn summary(session: &Session, counts: &Counts, report: &Report, why: &str, place: &Path) {
+pub(super) fn print_summary(session: &Session, counts: &Counts, report: &Report, why: &str, place: &Path) {
     for line in readings(counts, session) {
-        say!("{line}");
+        print_line!("{line}");
     }
     let c = &report.cells;
     let name = match session.method.settings() {
@@ -24,7 +24,7 @@ pub(super) fn summary(session: &Session, counts: &Counts, report: &Report, why: 
         _ => report.method.clone(),
     };
     let edge = |first: f64, cells: usize| first + cells as f64 * c.resolution;
-    say!(
+    print_line!(
         "{name}: {} × {} cells of {}, x {:.2} to {:.2} m, y {:.2} to {:.2} m",
         c.width,
         c.height,
@@ -34,7 +34,7 @@ pub(super) fn summary(session: &Session, counts: &Counts, report: &Report, why: 
         c.y0,
         edge(c.y0, c.height)
     );
-    say!(
+    print_line!(
         "{} cells seen: {} occupied, {} empty, {} undecided; {} cell updates",
         HumanCount(c.touched),
         HumanCount(c.occupied),
@@ -43,21 +43,21 @@ pub(super) fn summary(session: &Session, counts: &Counts, report: &Report, why: 
         HumanCount(report.updates)
     );
     if let Some(found) = &report.features {
-        features(found);
+        print_features(found);
     }
     let seconds: f64 = report.seconds.iter().map(|s| s.1).sum();
     let why = if why.is_empty() { String::new() } else { format!(", because {why}") };
     let adapter = report.adapter.as_deref().map(|a| format!(" ({a})")).unwrap_or_default();
-    say!("{}{adapter}{why}; {seconds:.2} s", report.backend);
-    if let Some(advice) = advice(session) {
-        say!("{advice}");
+    print_line!("{}{adapter}{why}; {seconds:.2} s", report.backend);
+    if let Some(hint) = hint(session) {
+        print_line!("{hint}");
     }
-    say!("{}", place.join("map.png").display());
+    print_line!("{}", place.join("map.png").display());
 }
 
-fn features(f: &Summary) {
+fn print_features(f: &Summary) {
     let Times { stage, kernels, .. } = f.seconds;
-    say!(
+    print_line!(
         "found {}, {} and {}; echoes: {} from one of these, {} mirrored (from behind a wall), {} from behind the line between two, \
          {} from none",
         count(f.walls, "wall"),
@@ -68,10 +68,10 @@ fn features(f: &Summary) {
         HumanCount(f.behind),
         HumanCount(f.routine)
     );
-    say!("finding them took {stage:.2} s, updating cells {kernels:.2} s, side by side");
+    print_line!("finding them took {stage:.2} s, updating cells {kernels:.2} s, side by side");
 }
 
-/// What became of the log's readings: those mapped, and why others were not, with what changes that.
+/// The lines about the log's readings: how many were mapped, and why others were not, with the parameter that changes it.
 fn readings(c: &Counts, session: &Session) -> Vec<String> {
     let sensors = session.sensors();
     let mut lines = vec![format!(
@@ -86,7 +86,7 @@ fn readings(c: &Counts, session: &Session) -> Vec<String> {
         0.0 => "without echo (they free nothing: no_echo_range is 0)".into(),
         _ => format!("without echo (each frees up to no_echo_range, {})", length(free)),
     };
-    let limit = |value: fn(&Sensor) -> f64| common(sensors, value).map_or_else(|| "the sensor's".into(), length);
+    let limit = |value: fn(&Sensor) -> f64| shared_value(sensors, value).map_or_else(|| "the sensor's".into(), length);
     let beyond = format!(
         "beyond hit_range ({}): echoes from so far are not trusted; --set hit_range={} takes all",
         limit(|s| s.hit_range),
@@ -109,31 +109,31 @@ fn readings(c: &Counts, session: &Session) -> Vec<String> {
     lines
 }
 
-/// A large count of something.
+/// A large count with its noun, its digits in groups of three.
 fn counted(n: u64, what: &str) -> String {
     format!("{} {what}{}", HumanCount(n), if n == 1 { "" } else { "s" })
 }
 
 /// A value that all sensors share.
-fn common(sensors: &[Sensor], value: fn(&Sensor) -> f64) -> Option<f64> {
+fn shared_value(sensors: &[Sensor], value: fn(&Sensor) -> f64) -> Option<f64> {
     let first = sensors.first().map(value)?;
     sensors.iter().all(|s| value(s) == first).then_some(first)
 }
 
-/// A length as people write it: centimetres below a metre.
+/// A length with its unit: centimetres below a metre.
 fn length(metres: f64) -> String {
     let (value, unit) = if metres.abs() < 1.0 { (100.0 * metres, "cm") } else { (metres, "m") };
     let text = format!("{value:.2}");
     format!("{} {unit}", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// Readings of a sonar in a scan from which it is a circle.
-const CIRCLE: u64 = 100;
-/// Sonars from which they are a ring.
-const RING: usize = 8;
+/// The fewest readings of a sonar in a scan of a full circle.
+const MIN_CIRCLE: u64 = 100;
+/// The fewest sonars of a ring.
+const MIN_RING: usize = 8;
 
-/// Whether another method, or another parameter, would serve the log better.
-fn advice(session: &Session) -> Option<String> {
+/// The hint where another method, or another parameter, suits the log better.
+fn hint(session: &Session) -> Option<String> {
     let (sensors, settings) = (session.sensors(), session.method.settings());
     let name = method::name(session.method.as_ref());
     let general = matches!(
@@ -159,7 +159,7 @@ fn advice(session: &Session) -> Option<String> {
         );
     }
     let a_scan = session.survey.counts.read / session.survey.scans.max(1);
-    if a_scan >= CIRCLE * sensors.len() as u64 {
+    if a_scan >= MIN_CIRCLE * sensors.len() as u64 {
         return Some(
             "hint: these are circular scans; --method features finds the walls first, and far fewer of them are shown as empty (README, Which method?)"
                 .into(),
@@ -167,5 +167,5 @@ fn advice(session: &Session) -> Option<String> {
     }
     // On real rings features is the more accurate, and bayes shows fewer walls as empty: docs/features.md.
     let ring = "hint: this is a ring of sonars; --method features finds the walls first, and is more accurate on most rings (docs/features.md)";
-    (sensors.len() >= RING).then(|| ring.into())
+    (sensors.len() >= MIN_RING).then(|| ring.into())
 }

@@ -1,7 +1,10 @@
 //! `echogrid verify`.
 
-use super::common::{LogArguments, bar, done, spinner, warn_of_jump, warn_of_log};
-use super::{note, say};
+use super::exit::{DIFFERS, done};
+use super::log_arguments::LogArguments;
+use super::progress::{bar, spinner};
+use super::warnings::{warn_of_jump, warn_of_log};
+use super::{print_line, print_note};
 use crate::evaluate::compare::{Options, compare, write_pictures};
 use crate::evaluate::verify::{BackendRun, Verification, check_backend, same_bytes};
 use crate::kernels::{Choice, Chosen, choose, gpu_required};
@@ -18,7 +21,7 @@ use std::time::Instant;
 
 /// A backend that `verify` can run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Checked {
+enum VerifyBackend {
     /// The f64 reference; always run
     Oracle,
     /// The CPU's kernels
@@ -29,17 +32,17 @@ enum Checked {
 
 /// Arguments of `verify`.
 #[derive(Debug, clap::Args)]
-pub struct Verify {
+pub struct VerifyArguments {
     #[command(flatten)]
     log: LogArguments,
     /// The backends to compare with the oracle
     #[arg(long, value_delimiter = ',', default_value = "oracle,cpu,gpu")]
-    backends: Vec<Checked>,
+    backends: Vec<VerifyBackend>,
     /// If a backend is not equal, write its pictures, the oracle's and their difference here
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pictures: Option<PathBuf>,
     /// Memory that may be used, such as 4GiB [default: what the machine has free]
-    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse_size)]
     memory: Option<u64>,
     /// Print the result as JSON
     #[arg(long)]
@@ -49,42 +52,42 @@ pub struct Verify {
     quiet: bool,
 }
 
-/// What can be compared with the oracle.
+/// The backends to compare with the oracle.
 #[derive(Default)]
-struct Opened {
+struct OpenedBackends {
     backends: Vec<Chosen>,
-    /// What was asked for and can't run, and why.
+    /// Backends that were asked for and can't run, and why.
     skipped: Vec<String>,
-    /// What the method doesn't have, and why.
+    /// Backends that the method can't run on, and why.
     absent: Vec<String>,
 }
 
-/// Why backends are missing, and what compares the others.
+/// Why backends are missing, and the option that compares the others.
 fn without(missing: &[String]) -> String {
     format!("{}; `--backends oracle,cpu` compares without it", missing.join("; "))
 }
 
-impl Verify {
-    /// Compares the backends; 1 if one is not equal.
+impl VerifyArguments {
+    /// Compares the backends; exit code 1 if one is not equal.
     ///
     /// # Errors
-    /// [`Error::NoAdapter`] where one that was asked for couldn't run: that is no equality.
+    /// [`Error::NoAdapter`] where a backend that was asked for couldn't run.
     pub fn run(self) -> Result<u8> {
-        let sign = spinner("reading", self.quiet || self.json);
+        let progress = spinner("reading", self.quiet || self.json);
         let session = self.log.session()?;
-        drop(sign);
+        drop(progress);
         warn_of_log(&self.log, &session);
         // The oracle keeps values and bounds in f64, and two maps are held beside it.
         let oracle_cells = session.grid.cells() as u64 * 16 * (session.method.layers().len() as u64 + 2);
         let readings = session.survey.counts.used * 200;
         session.check_memory(2 * session.memory(self.log.batch) + oracle_cells + readings, self.memory)?;
         warn_of_jump(&self.log, &session);
-        let Opened { backends, skipped, absent } = self.open(&session)?;
+        let OpenedBackends { backends, skipped, absent } = self.open(&session)?;
         let started = Instant::now();
         let hidden = self.quiet || self.json;
-        let sign = spinner("reference", hidden);
+        let progress = spinner("reference", hidden);
         let oracle = session.oracle()?;
-        drop(sign);
+        drop(progress);
         let mut result = Verification {
             method: method::name(session.method.as_ref()).into(),
             readings: session.survey.counts.used,
@@ -118,9 +121,9 @@ impl Verify {
                 wrong_counts: wrong,
                 seconds,
             };
-            let sign = spinner("comparing", hidden);
+            let progress = spinner("comparing", hidden);
             result.backends.push(check_backend(&session, &oracle, run)?);
-            drop(sign);
+            drop(progress);
             self.draw(&session, &oracle, &result, &mapped.finished)?;
             maps.push(mapped.finished);
         }
@@ -129,35 +132,35 @@ impl Verify {
             result.same_bytes = Some(same_bytes(a, b));
         }
         if self.json {
-            say!("{}", serde_json::to_string_pretty(&result).unwrap_or_default());
+            print_line!("{}", serde_json::to_string_pretty(&result).unwrap_or_default());
         } else if !self.quiet {
-            say!("{result}");
+            print_line!("{result}");
         }
         if hidden {
-            result.absent.iter().for_each(|why| note!("{why}"));
+            result.absent.iter().for_each(|why| print_note!("{why}"));
         }
         if self.quiet {
             for b in result.backends.iter().filter(|b| !b.passed) {
-                note!("{} and the oracle are NOT EQUAL", b.backend);
+                print_note!("{} and the oracle are NOT EQUAL", b.backend);
             }
         }
         match result.skipped.as_slice() {
-            _ if result.differs() => Ok(1),
+            _ if result.differs() => Ok(DIFFERS),
             [] => Ok(done(&session)),
             skipped => Err(Error::NoAdapter(format!("not verified: {}", without(skipped)))),
         }
     }
 
-    /// The backends to compare: an adapter that is missing is found before the long run.
-    fn open(&self, session: &Session) -> Result<Opened> {
-        let mut opened = Opened::default();
-        for (kind, choice) in [(Checked::Cpu, Choice::Cpu), (Checked::Gpu, Choice::Gpu)] {
+    /// Opens the backends to compare, before the long run.
+    fn open(&self, session: &Session) -> Result<OpenedBackends> {
+        let mut opened = OpenedBackends::default();
+        for (kind, choice) in [(VerifyBackend::Cpu, Choice::Cpu), (VerifyBackend::Gpu, Choice::Gpu)] {
             if !self.backends.contains(&kind) {
                 continue;
             }
             match (choose(choice, session.method.as_ref(), self.log.threads), session.method.cpu_only()) {
                 (Ok(chosen), _) => opened.backends.push(chosen),
-                // What no adapter could do is no missing adapter.
+                // The method runs on no adapter: none is missing.
                 (Err(Error::NoAdapter(_)), Some(why)) => {
                     opened
                         .absent
@@ -177,7 +180,7 @@ impl Verify {
         })
     }
 
-    /// Pictures of the last backend, if it failed and they are wanted.
+    /// Writes pictures of the last backend, if it is not equal and they were asked for.
     fn draw(&self, session: &Session, oracle: &OracleMap, result: &Verification, map: &Finished) -> Result<()> {
         let (Some(folder), Some(last)) = (&self.pictures, result.backends.last().filter(|b| !b.passed)) else {
             return Ok(());
@@ -185,7 +188,7 @@ impl Verify {
         let reference = layers::from_oracle(oracle, session.method.as_ref());
         let differences = compare(&reference.map, &map.map, &Options::default())?;
         for path in write_pictures(&reference.map, &map.map, &differences, &folder.join(&last.backend))? {
-            note!("see {}", path.display());
+            print_note!("see {}", path.display());
         }
         Ok(())
     }

@@ -1,8 +1,10 @@
 //! `echogrid view`.
 
-use super::common::{LogArguments, note_bad_lines, tell_idle, tell_notes};
-use super::offered::{Offered, methods};
-use super::{note, out, say};
+use super::log_arguments::LogArguments;
+use super::suggested_values::{SuggestedValues, methods};
+use super::values::use_threads;
+use super::warnings::{print_log_notes, warn_of_bad_lines, warn_of_unused_parameters};
+use super::{print_line, print_note, stdout};
 use crate::output::seems_map;
 use crate::support::memory;
 use crate::view::log::{self, LogView};
@@ -22,11 +24,11 @@ use std::sync::Arc;
         "A map's folder, or a log: a file, a sonar_ring_8 folder, or - for standard input")),
     after_help = AFTER,
 )]
-pub struct Command {
+pub struct ViewArguments {
     #[command(flatten)]
     log: LogArguments,
     /// Of a log: a second method beside the first, and their difference
-    #[arg(long, value_name = "METHOD", value_parser = Offered(methods), hide_possible_values = true)]
+    #[arg(long, value_name = "METHOD", value_parser = SuggestedValues(methods), hide_possible_values = true)]
     beside: Option<String>,
     /// Of a map: another map beside it, of cells of the same size, and their difference
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
@@ -41,7 +43,7 @@ pub struct Command {
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     port: u16,
     /// Memory that may be used, such as 4GiB [default: what the machine has free]
-    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse_size)]
     memory: Option<u64>,
 }
 
@@ -54,7 +56,7 @@ A map is opened whatever its size: only what is looked at is read. Options of a 
 
 On another machine: ssh -L PORT:127.0.0.1:PORT HOST there, then the same address in a browser there.";
 
-impl Command {
+impl ViewArguments {
     /// Serves the page until Ctrl-C.
     pub fn run(self) -> Result<u8> {
         let view = self.open()?;
@@ -73,10 +75,10 @@ impl Command {
                     path.display()
                 )));
             }
-            super::common::use_threads(self.log.threads)?;
+            use_threads(self.log.threads)?;
             let beside = Companions { with: self.with.as_deref(), truth: self.truth.as_deref(), memory: self.memory };
             let view = MapView::open(path, &beside)?;
-            view.notes().iter().for_each(|what| note!("{what}"));
+            view.notes().iter().for_each(|what| print_note!("{what}"));
             return Ok(Arc::new(view));
         }
         if self.with.is_some() || self.truth.is_some() {
@@ -121,24 +123,24 @@ impl Command {
             error => error,
         })?;
         view.with_session(|session| {
-            note_bad_lines(session, "mend them; --strict refuses such a log");
-            tell_idle(arguments, session);
-            tell_notes(session);
+            warn_of_bad_lines(session, "mend them; --strict refuses such a log");
+            warn_of_unused_parameters(arguments, session);
+            print_log_notes(session);
         });
         Ok(Arc::new(view))
     }
 
     fn announce(&self, server: &Server) -> Result<()> {
-        say!("{}", server.address());
-        // A page whose address nobody can read is of no use.
-        out::finish()?;
+        print_line!("{}", server.address());
+        // Fails here where the address can't be printed.
+        stdout::finish()?;
         let port = server.port();
         if self.bind.is_loopback() {
-            note!("from another machine: ssh -L {port}:127.0.0.1:{port} HOST, then open the same address there");
+            print_note!("from another machine: ssh -L {port}:127.0.0.1:{port} HOST, then open the same address there");
         } else {
-            note!("it listens on {}: whoever has the address can look, and nothing is encrypted", self.bind);
+            print_note!("it listens on {}: whoever has the address can look, and nothing is encrypted", self.bind);
         }
-        note!("Ctrl-C ends it");
+        print_note!("Ctrl-C ends it");
         Ok(())
     }
 }

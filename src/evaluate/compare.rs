@@ -1,30 +1,30 @@
-//! Two maps, layer by layer: how many cells differ, by how much, and where the worst one is. Nothing is tolerated that
-//! wasn't asked for: the default is equality to the bit, and no share of the cells may differ.
+//! Compares two maps layer by layer: how many cells differ, by how much, and where the largest difference is. By default cells must be
+//! equal to the bit; no fraction of them may differ.
 
+mod overlap;
 mod pictures;
-mod shared;
 mod table;
 
+pub(crate) use overlap::axis_overlap;
 pub use pictures::write_pictures;
 
 use crate::Result;
-use crate::grid::{Data, GridSpec, Layer, Map};
+use crate::grid::{Data, Layer, Map};
+use overlap::{Overlap, describe};
 use serde::Serialize;
-use shared::{Shared, describe};
 
 /// How to compare.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
-    /// Largest |difference| of a value that still counts as equal; 0: equal to the bit. Classes and flags must be equal
-    /// whatever it is.
+    /// The largest |difference| of values that count as equal; 0: equal to the bit. Classes and flags must always be equal.
     pub tolerance: f64,
-    /// Compare the cells that both maps have, where their grids differ.
+    /// Whether to compare only the common cells where the grids differ.
     pub common: bool,
 }
 
-/// A cell that differs.
+/// The cell with the largest difference of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Worst {
+pub struct LargestDifference {
     /// Column in the first map.
     pub column: usize,
     /// Row in the first map, from the bottom.
@@ -39,22 +39,22 @@ pub struct Worst {
     pub b: f64,
 }
 
-/// What became of one layer that both maps have.
+/// The comparison of one layer that both maps have.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LayerDifference {
-    /// The layer.
+    /// The layer's name.
     pub name: String,
     /// Cells that differ by more than the tolerance.
     pub differ: u64,
-    /// Largest |difference|, tolerated or not; infinite (`null` in JSON) where only one side is a finite number.
+    /// The largest |difference|, tolerated or not; infinite (`null` in JSON) where only one of the values is finite.
     pub largest: f64,
-    /// The cell with the largest difference, of those that differ.
-    pub worst: Option<Worst>,
-    /// The two data types, where they differ: that is a difference too.
+    /// The cell with the largest difference beyond the tolerance.
+    pub worst: Option<LargestDifference>,
+    /// The two data types where they differ, which counts as a difference.
     pub types: Option<[&'static str; 2]>,
 }
 
-/// What two maps have in common, and what not.
+/// The comparison of two maps.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// Whether nothing differs.
@@ -67,9 +67,9 @@ pub struct Comparison {
     pub cells: u64,
     /// The layers of both maps, in the first map's order.
     pub layers: Vec<LayerDifference>,
-    /// Layers of the first map alone.
+    /// Layers that only the first map has.
     pub only_a: Vec<String>,
-    /// Layers of the second map alone.
+    /// Layers that only the second map has.
     pub only_b: Vec<String>,
     /// Cells that only one of the maps has touched.
     pub touched: u64,
@@ -77,8 +77,10 @@ pub struct Comparison {
     pub class: u64,
 }
 
-/// Compares two maps. Different grids are a difference, unless `common` asks for the cells that both have; then grids
-/// that don't fall on one another are an error.
+/// Compares two maps. Different grids are a difference, unless the options ask for the common cells.
+///
+/// # Errors
+/// [`crate::Error::Usage`] where the common cells are wanted and the grids' cells do not coincide.
 pub fn compare(a: &Map, b: &Map, options: &Options) -> Result<Comparison> {
     let grids = (a.grid != b.grid).then(|| format!("{} and {}", describe(&a.grid), describe(&b.grid)));
     let names = |of: &Map, other: &Map| {
@@ -100,11 +102,11 @@ pub fn compare(a: &Map, b: &Map, options: &Options) -> Result<Comparison> {
         result.equal = false;
         return Ok(result);
     }
-    let shared = Shared::of(&a.grid, &b.grid)?;
-    result.cells = (shared.width * shared.height) as u64;
+    let overlap = Overlap::of(&a.grid, &b.grid)?;
+    result.cells = (overlap.width * overlap.height) as u64;
     for layer in &a.layers {
         let Some(other) = b.layer(&layer.name) else { continue };
-        let found = difference(&a.grid, &b.grid, &shared, layer, other, options.tolerance);
+        let found = Pair { a, b, overlap: &overlap, tolerance: options.tolerance }.compare_layer(layer, other);
         result.equal &= found.differ == 0 && found.types.is_none();
         match found.name.as_str() {
             "touched" => result.touched = found.differ,
@@ -116,7 +118,7 @@ pub fn compare(a: &Map, b: &Map, options: &Options) -> Result<Comparison> {
     Ok(result)
 }
 
-/// |b − a|: 0 if both are the same number or both no number, infinite if only one is finite.
+/// |b − a|: 0 where both are the same number or both NaN, infinite where only one is finite.
 fn distance(a: f64, b: f64) -> f64 {
     match (a == b || (a.is_nan() && b.is_nan()), (b - a).abs()) {
         (true, _) => 0.0,
@@ -131,41 +133,45 @@ fn differs(a: f64, b: f64, tolerance: f64) -> bool {
     !same && (tolerance == 0.0 || distance(a, b) > tolerance)
 }
 
-/// Classes and flags know no tolerance.
+/// The tolerance of a layer: classes and flags have none.
 fn tolerance_of(layer: &str, tolerance: f64) -> f64 {
     if ["touched", "class"].contains(&layer) { 0.0 } else { tolerance }
 }
 
-fn difference(
-    grid: &GridSpec,
-    other_grid: &GridSpec,
-    shared: &Shared,
-    layer: &Layer,
-    other: &Layer,
+/// Two maps and how to compare their layers.
+struct Pair<'a> {
+    a: &'a Map,
+    b: &'a Map,
+    overlap: &'a Overlap,
     tolerance: f64,
-) -> LayerDifference {
-    let tolerance = tolerance_of(&layer.name, tolerance);
-    let types = [type_of(&layer.data), type_of(&other.data)];
-    let types = (types[0] != types[1]).then_some(types);
-    let mut found = LayerDifference { name: layer.name.clone(), differ: 0, largest: 0.0, worst: None, types };
-    let mut worst: Option<(usize, f64, f64, f64)> = None;
-    for (k, m) in shared.cells(grid, shared.a).zip(shared.cells(other_grid, shared.b)) {
-        let (a, b) = (layer.data.get(k), other.data.get(m));
-        let apart = distance(a, b);
-        found.largest = found.largest.max(apart);
-        if differs(a, b, tolerance) {
-            found.differ += 1;
-            if worst.is_none_or(|(_, most, ..)| apart > most) {
-                worst = Some((k, apart, a, b));
+}
+
+impl Pair<'_> {
+    fn compare_layer(&self, layer: &Layer, other: &Layer) -> LayerDifference {
+        let (grid, tolerance) = (&self.a.grid, tolerance_of(&layer.name, self.tolerance));
+        let cells = self.overlap.cells(grid, self.overlap.a).zip(self.overlap.cells(&self.b.grid, self.overlap.b));
+        let types = [type_of(&layer.data), type_of(&other.data)];
+        let types = (types[0] != types[1]).then_some(types);
+        let mut found = LayerDifference { name: layer.name.clone(), differ: 0, largest: 0.0, worst: None, types };
+        let mut worst: Option<(usize, f64, f64, f64)> = None;
+        for (k, m) in cells {
+            let (a, b) = (layer.data.get(k), other.data.get(m));
+            let apart = distance(a, b);
+            found.largest = found.largest.max(apart);
+            if differs(a, b, tolerance) {
+                found.differ += 1;
+                if worst.is_none_or(|(_, most, ..)| apart > most) {
+                    worst = Some((k, apart, a, b));
+                }
             }
         }
+        found.worst = worst.map(|(k, _, a, b)| {
+            let (column, row) = (k % grid.width, k / grid.width);
+            let (x, y) = grid.centre(column, row);
+            LargestDifference { column, row, x, y, a, b }
+        });
+        found
     }
-    found.worst = worst.map(|(k, _, a, b)| {
-        let (column, row) = (k % grid.width, k / grid.width);
-        let (x, y) = grid.centre(column, row);
-        Worst { column, row, x, y, a, b }
-    });
-    found
 }
 
 fn type_of(data: &Data) -> &'static str {

@@ -166,13 +166,14 @@ impl Stage {
     fn update(&mut self, window: &[HeldScan], wanted: &dyn Fn(Case) -> bool, out: &mut Vec<Update>) -> Vec<Ping> {
         let aside = window.iter().flat_map(|h| h.pings.iter().map(|p| p.reach + distance(&p.at, &h.at)));
         let reach = aside.fold(0.0, f64::max) + MARGIN;
-        let mut place = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
-        for Point { coords } in window.iter().map(|h| h.at) {
-            let (x, y) = (coords.x, coords.y);
-            place =
-                [place[0].min(x - reach), place[1].min(y - reach), place[2].max(x + reach), place[3].max(y + reach)];
+        let mut area = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+        for at in window.iter().map(|h| h.at) {
+            area[0] = area[0].min(at.x - reach);
+            area[1] = area[1].min(at.y - reach);
+            area[2] = area[2].max(at.x + reach);
+            area[3] = area[3].max(at.y + reach);
         }
-        let (FeatureMap { features, .. }, _) = self.observations.around(place, &self.rules);
+        let (FeatureMap { features, .. }, _) = self.observations.around(area, &self.rules);
         let mut rest = Vec::new();
         for held in window {
             let obstacles = Obstacles::near(&features, held.at, reach, self.cells.resolution);

@@ -114,8 +114,8 @@ fn wall(rcds: &[Rcd], group: Vec<usize>) -> Wall {
 
 /// The line through the feet by weighted total least squares: its normal and a point; `None` if the feet do not spread enough.
 ///
-/// The principal axis of the 2 × 2 scatter matrix is taken from its angle, ½ atan2(2 xy, xx − yy). `SymmetricEigen` gives the same
-/// axis but for the last bits, and by these walls, weights and maps would change.
+/// The principal axis of the 2 × 2 scatter matrix is taken from its angle, ½ atan2(2 xy, xx − yy). `SymmetricEigen` gives
+/// another last bit in four of five groups, which would change maps.
 fn fit_line(rcds: &[Rcd], group: &[usize]) -> Option<(Vector, Point)> {
     let weighted = || group.iter().map(|k| (rcds[*k].foot, (0.02 + 0.005 * rcds[*k].range).powi(-2)));
     let total: f64 = weighted().map(|(_, w)| w).sum();

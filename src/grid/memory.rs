@@ -1,7 +1,7 @@
 //! Memory that a map needs, checked before it is taken.
 
 use super::GridSpec;
-use crate::support::memory::{available, show};
+use crate::support::memory::{available, format_size};
 use crate::{Error, Result};
 
 impl GridSpec {
@@ -11,14 +11,14 @@ impl GridSpec {
     /// [`Error::Resources`].
     pub fn check_memory(&self, needed: u64, cap: Option<u64>, remedy: &str) -> Result<()> {
         let limit = match (cap, available()) {
-            (Some(cap), _) if needed > cap => format!("--memory allows {}", show(cap)),
-            (_, Some(free)) if needed > free => format!("this machine has {} free", show(free)),
+            (Some(cap), _) if needed > cap => format!("`memory` allows {}", format_size(cap)),
+            (_, Some(free)) if needed > free => format!("this machine has {} free", format_size(free)),
             _ => return Ok(()),
         };
         let (width, height, resolution) = (self.width, self.height, self.resolution);
         Err(Error::Resources(format!(
             "a map of {width} × {height} cells of {resolution} m needs {}, but {limit}: {remedy}",
-            show(needed)
+            format_size(needed)
         )))
     }
 }

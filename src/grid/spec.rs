@@ -84,7 +84,7 @@ impl GridSpec {
         if far > LIMIT || self.width as i64 > LIMIT || self.height as i64 > LIMIT {
             return Err(Error::Usage(format!(
                 "a grid of {} × {} cells of {} m, starting {} cells from its anchor, is more than {LIMIT} cells an axis: \
-                 give --bounds nearer the robot or a coarser --resolution",
+                 give `bounds` nearer the robot or a coarser `resolution`",
                 self.width, self.height, self.resolution, far
             )));
         }

@@ -20,8 +20,8 @@ use crate::Result;
 use crate::binning::batch::Batch;
 use crate::geometry::layout::{Cone, Frame, NO_ECHO};
 use crate::log::reading::Outcome;
-use crate::method::{Method, Step};
 use crate::method::driver::WrongInput;
+use crate::method::{Method, Step};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -13,7 +13,7 @@ use super::problem::{BadLine, Problem};
 use super::sensor_ids::{MAX_SENSORS, expand_indices};
 use super::values::quote;
 use crate::sensor::{Description, Kind};
-use crate::support::similar::similar;
+use crate::support::suggest::similar;
 use crate::{Error, Result};
 use std::collections::HashSet;
 use std::sync::Arc;

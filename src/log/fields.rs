@@ -4,7 +4,7 @@ use super::mounting::MountedSensor;
 use super::values::{check_pose, quote};
 use crate::log::reading::{Pose, Record};
 use crate::sensor::Kind;
-use crate::support::similar::similar;
+use crate::support::suggest::similar;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Messages about bad JSON, from serde's.
 
-use crate::support::similar::similar;
+use crate::support::suggest::similar;
 
 /// The message of a JSON error: an unknown key is named with the most similar known one, and the place is a column of the line.
 pub(super) fn explain(error: &serde_json::Error, known: &[&str]) -> String {

@@ -174,3 +174,17 @@ impl Counts {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_isometry_is_a_composition_but_for_the_last_bits() {
+        let robot = Pose { x: 3.25, y: -7.5, heading: 2.3 };
+        let (one, two) = (robot.compose(0.4, -0.7, 0.1).position(), robot.isometry() * Point2::new(0.4, -0.7));
+        assert!((one - two).norm() < 1e-14, "{one} and {two}");
+        assert_eq!(robot.isometry() * Point2::origin(), robot.position());
+        assert!((robot.isometry() * Vector2::x() - robot.direction()).norm() < 1e-15);
+    }
+}

@@ -1,7 +1,7 @@
 //! The bytes of one file as they were when it was opened, while another program may still write it. The length is fixed when the
 //! file is opened, and every block must keep the checksum of its first read, so all passes read the same bytes.
 
-use crate::support::positioned;
+use crate::support::positional_io;
 use flate2::Crc;
 use std::collections::HashMap;
 use std::fs::{File, Metadata};
@@ -85,7 +85,7 @@ impl FileSnapshot {
     /// Whether the bytes are gzip.
     pub fn packed(&self) -> io::Result<bool> {
         let mut magic = [0; 2];
-        Ok(positioned::read(&self.file, &mut magic, 0)? == 2 && magic == GZIP_MAGIC)
+        Ok(positional_io::read(&self.file, &mut magic, 0)? == 2 && magic == GZIP_MAGIC)
     }
 
     /// Whether the file is longer by now.
@@ -143,7 +143,7 @@ impl FileSnapshot {
     /// Whether the file's last line has become longer.
     fn goes_on(&self) -> io::Result<bool> {
         let mut next = [0];
-        Ok(positioned::read(&self.file, &mut next, self.length)? == 1 && next != *b"\n" && next != *b"\r")
+        Ok(positional_io::read(&self.file, &mut next, self.length)? == 1 && next != *b"\n" && next != *b"\r")
     }
 
     /// Reads a block and compares its checksum with that of the first read.
@@ -162,7 +162,7 @@ impl FileSnapshot {
 
 /// Fills a buffer from a file that was long enough for it.
 fn exactly(file: &File, buffer: &mut [u8], at: u64) -> io::Result<()> {
-    positioned::read_exact(file, buffer, at).map_err(|e| match e.kind() {
+    positional_io::read_exact(file, buffer, at).map_err(|e| match e.kind() {
         io::ErrorKind::UnexpectedEof => io::Error::other(FileChanged::Shorter),
         _ => e,
     })

@@ -20,10 +20,10 @@ use crate::geometry::layout;
 use crate::grid::{Class, Scale};
 use crate::log::reading::Outcome;
 use crate::sensor::Sensor;
-use crate::support::similar::meant;
+use crate::support::suggest::closest;
 use crate::{Error, Result};
-use driver::{Job, WrongInput};
 pub use driver::Pass;
+use driver::{Job, WrongInput};
 use settings::Settings;
 
 /// One step of a sweep over a batch.
@@ -238,7 +238,7 @@ pub fn make(settings: Settings) -> Box<dyn Method> {
 
 /// `; did you mean "x"? There are a, b, c.`
 pub fn nearest(name: &str, known: &[&str]) -> String {
-    let hint = meant(name, known).map(|meant| format!("did you mean {meant}? ")).unwrap_or_default();
+    let hint = closest(name, known).map(|name| format!("did you mean {name}? ")).unwrap_or_default();
     format!("; {hint}there are {}", known.join(", "))
 }
 

@@ -223,7 +223,7 @@ impl Settings {
     /// Sets one key from its text. `Ok(false)`: the method has no such key.
     pub fn set(&mut self, name: &str, value: &str) -> Result<bool> {
         let Some(key) = self.keys().iter().find(|k| k.name == name) else { return Ok(false) };
-        let wrong = || Error::Usage(format!("--set {name}={value}: {name} takes {}", key.values));
+        let wrong = || Error::Usage(format!("`{name}={value}`: {name} takes {}", key.values));
         let choice = |options: [&str; 2]| options.iter().position(|o| *o == value).ok_or_else(wrong);
         let number =
             |low: f64, high: f64| value.parse::<f64>().ok().filter(|v| (low..=high).contains(v)).ok_or_else(wrong);

@@ -1,11 +1,11 @@
-//! What a kernel in 32-bit floats is allowed: the constants of the running error analysis.
+//! The errors that a kernel in 32-bit floats may make: the constants of the running error analysis.
 //!
 //! u = 2⁻²⁴ is the unit roundoff. WGSL lets + − × round once or be fused, ÷ be off by 2.5 ULP (5 u), sqrt be
 //! 1/inverseSqrt (2 + 2.5 ULP, 9 u). Constants count first-order terms and are rounded up.
 
 use super::cone::Cone;
 
-/// Unit roundoff of f32.
+/// u, the unit roundoff of f32.
 pub(super) const U: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// Relative error of d: d² to f32 from at most two words (2 u, halved by the root), the root 9 u, the metres of a
@@ -17,41 +17,41 @@ const DISTANCE: f64 = 12.0 * U;
 /// q = cross/dot the sum's 13 u are 2 u.
 const THETA: f64 = 32.0 * U + 2.5e-8;
 
-/// A value and the most by which a kernel's may differ.
+/// A value, and the bound of a kernel's error in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Approx {
-    /// The value.
+pub(super) struct BoundedValue {
+    /// The reference's value.
     pub value: f64,
-    /// Its bound.
+    /// The largest difference of a kernel's value from it.
     pub bound: f64,
 }
 
-impl Approx {
+impl BoundedValue {
     /// The square.
-    pub fn squared(self) -> Approx {
-        Approx { value: self.value * self.value, bound: (2.0 * self.value.abs() + self.bound) * self.bound }
+    pub fn squared(self) -> BoundedValue {
+        BoundedValue { value: self.value * self.value, bound: (2.0 * self.value.abs() + self.bound) * self.bound }
     }
 }
 
 /// θ/β, at most 1; 0 where β is 0 (only the axis lies in such a beam).
-pub(super) fn turn(theta: f64, beta: f64) -> Approx {
+pub(super) fn angle_fraction(theta: f64, beta: f64) -> BoundedValue {
     let value = if beta > 0.0 { theta / beta } else { 0.0 };
     // 1/β rounded, the product
-    Approx { value: value.min(1.0), bound: value.min(2.0) * (THETA + 3.0 * U) }
+    BoundedValue { value: value.min(1.0), bound: value.min(2.0) * (THETA + 3.0 * U) }
 }
 
 /// d/R, at most 1, R = the sensor's largest range.
-pub(super) fn far(cone: &Cone, d: f64) -> Approx {
+pub(super) fn range_fraction(cone: &Cone, d: f64) -> BoundedValue {
     let value = (d / cone.r_max).clamp(0.0, 1.0);
-    Approx { value, bound: value * (DISTANCE + 3.0 * U) }
+    BoundedValue { value, bound: value * (DISTANCE + 3.0 * U) }
 }
 
-/// p = max(d − r_min, 0)/(R − ε − r_min), 0 where that span isn't positive. The difference cancels: its error is that of
+/// Position in the interior: p = max(d − r_min, 0)/(R − ε − r_min), 0 where that span isn't positive. The difference cancels: its error is that of
 /// d and r_min, magnified by the span.
-pub(super) fn depth(cone: &Cone, d: f64) -> Approx {
+pub(super) fn interior_fraction(cone: &Cone, d: f64) -> BoundedValue {
     if cone.span < 1e-9 {
-        // a span of rounding noise may be seen on either side of 0
-        return Approx { value: 0.0, bound: if cone.span < -1e-9 { 0.0 } else { 1.0 } };
+        // the sign of a span of rounding noise may differ in a kernel
+        return BoundedValue { value: 0.0, bound: if cone.span < -1e-9 { 0.0 } else { 1.0 } };
     }
     let value = ((d - cone.r_min) / cone.span).max(0.0);
     let bound = if d < cone.r_min * (1.0 - 16.0 * U) {
@@ -59,15 +59,15 @@ pub(super) fn depth(cone: &Cone, d: f64) -> Approx {
     } else {
         (DISTANCE * d + U * cone.r_min) / cone.span + 4.0 * U * value
     };
-    Approx { value, bound: bound.min(1.0) }
+    BoundedValue { value, bound: bound.min(1.0) }
 }
 
-/// (d − R)/ε on the arc, within −1..1. The difference cancels: its error is that of d and R, magnified by 1/ε.
-pub(super) fn offset(cone: &Cone, d: f64) -> Approx {
+/// Position on the arc: (d − R)/ε, within −1..1. The difference cancels: its error is that of d and R, magnified by 1/ε.
+pub(super) fn arc_offset(cone: &Cone, d: f64) -> BoundedValue {
     if cone.epsilon <= 0.0 {
-        return Approx { value: 0.0, bound: 0.0 };
+        return BoundedValue { value: 0.0, bound: 0.0 };
     }
     let value = (d - cone.range) / cone.epsilon;
     let bound = (DISTANCE * d + U * cone.range) / cone.epsilon + 4.0 * U * value.abs();
-    Approx { value, bound: bound.min(1.0) }
+    BoundedValue { value, bound: bound.min(1.0) }
 }

@@ -1,7 +1,8 @@
 //! The snapped cone: which cells a reading reaches, decided in 64-bit integers (1 unit = 1/32 cell).
 //!
-//! The rules are those of every backend; the code is the oracle's own. A beam is scanned row by row over spans that
-//! are supersets by a cell and more; every cell of a span is then decided exactly.
+//! The rules are those of every backend; the code is the oracle's own. `raster` lists the cells of a cone.
+
+mod raster;
 
 use super::{CellUpdate, Region};
 use crate::grid::GridSpec;
@@ -13,9 +14,9 @@ use crate::{Error, Result};
 const UNITS: i64 = 32;
 /// Length of a snapped direction.
 const LENGTH: f64 = 8192.0;
-/// Units beyond which a reading counts as wide: 1024 cells.
+/// Reach above which a reading counts as wide, units: 1024 cells.
 const WIDE: i64 = 1024 * UNITS;
-/// Largest reach in units: beyond it squares would leave 64 bits.
+/// Largest reach, units: its square fits 64 bits.
 const REACH_LIMIT: f64 = (1u64 << 30) as f64;
 /// Half the depth of the laser truth's hit band, units: ¾ cell.
 const TRUTH_BAND: i64 = 24;
@@ -46,7 +47,7 @@ pub(super) enum Rule {
     Wedge,
 }
 
-/// A reading's cell: where it lies from the sensor, in units.
+/// A cell of a reading's cone, with its position relative to the sensor, in units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cell {
     /// Row-major index into the grid.
@@ -57,7 +58,7 @@ pub(super) struct Cell {
     pub v: Vector,
 }
 
-/// A reading's beam, snapped, with what the profiles need in metres and radians.
+/// A reading's beam, snapped to integers, with the lengths and angles of the profiles in metres and radians.
 #[derive(Debug, Clone)]
 pub(super) struct Cone {
     rule: Rule,
@@ -65,7 +66,7 @@ pub(super) struct Cone {
     axis: Vector,
     left: Vector,
     right: Vector,
-    /// R in units (for HIMM's missing echo: what is free).
+    /// R in units; of HIMM's missing echo R − ε, up to which it is free.
     reach: i64,
     inner: i64,
     outer: i64,
@@ -111,14 +112,14 @@ impl Cone {
         let reaches = |r: f64| (-1.0..REACH_LIMIT).contains(&r);
         if !reaches(radius(reading.range) + radius(epsilon)) {
             return Err(Error::Usage(format!(
-                "the reading of line {line} reaches {} m, more than {} cells: lower r_max or coarsen --resolution",
+                "the reading of line {line} reaches {} m, more than {} cells: lower r_max or coarsen `resolution`",
                 reading.range,
                 REACH_LIMIT / 32.0
             )));
         }
-        let place = |v: f64, anchor: f64| {
-            let far = (1u64 << 40) as f64;
-            (32.0 * (v - anchor) / grid.resolution + 0.5).floor().clamp(-far, far) as i64
+        let snap = |v: f64, anchor: f64| {
+            let limit = (1u64 << 40) as f64;
+            (32.0 * (v - anchor) / grid.resolution + 0.5).floor().clamp(-limit, limit) as i64
         };
         let (left, right) = wedge.unwrap_or((pose.heading + beta, pose.heading - beta));
         let hit = reading.outcome == Outcome::Hit;
@@ -128,7 +129,7 @@ impl Cone {
         let unit = grid.resolution / 32.0;
         Ok(Cone {
             rule,
-            origin: (place(pose.x, grid.anchor.0), place(pose.y, grid.anchor.1)),
+            origin: (snap(pose.x, grid.anchor.0), snap(pose.y, grid.anchor.1)),
             axis: direction(pose.heading),
             left: direction(left),
             right: direction(right),
@@ -148,7 +149,7 @@ impl Cone {
         })
     }
 
-    /// Where the cell with centre − sensor = `v` lies, whatever the outcome; `None`: not in the beam.
+    /// The region of the cell with centre − sensor = `v`, whatever the reading's outcome; `None`: the cell is not in the beam.
     fn region(&self, v: Vector) -> Option<Region> {
         if self.rule == Rule::Axis {
             return self.axis_region(v);
@@ -175,7 +176,7 @@ impl Cone {
         }
     }
 
-    /// HIMM's rule: on the axis, before the hit or at it.
+    /// HIMM's rule: the cells on the axis, those before the hit and the hit's own.
     fn axis_region(&self, v: Vector) -> Option<Region> {
         let (c, s, a, b) = if self.axis.0.abs() >= self.axis.1.abs() {
             (self.axis.0, self.axis.1, v.0, v.1)
@@ -199,48 +200,7 @@ impl Cone {
         }
     }
 
-    /// Puts this reading's cells of the grid into `cells`; returns n, its arc cells (for a missing echo the arc that
-    /// it would have, which is not put into `cells`).
-    pub fn cells(&self, grid: &GridSpec, cells: &mut Vec<Cell>) -> usize {
-        cells.clear();
-        let mut arc = 0;
-        let axis = self.rule == Rule::Axis;
-        let reach = if axis { self.reach + 2 * UNITS } else { self.outer };
-        let (left, right) = if axis { (self.axis, self.axis) } else { (self.left, self.right) };
-        // A narrow beam's strip: its cross products with the edges exceed 0 by half a cell and the directions' snapping.
-        let slack = match self.rule {
-            Rule::Cone | Rule::Wedge => 0.0,
-            Rule::Narrow => 16.0 * LENGTH + 4.0 * reach as f64,
-            Rule::Axis => 16.0 * LENGTH,
-        };
-        let first = (UNITS * grid.i0 + UNITS / 2 - self.origin.0, UNITS * grid.j0 + UNITS / 2 - self.origin.1);
-        for row in span(-reach as f64, reach as f64, first.1, grid.height) {
-            let vy = first.1 + UNITS * row as i64;
-            let (y, r) = (vy as f64, reach as f64);
-            let half = (r * r - y * y).max(0.0).sqrt();
-            let (mut low, mut high) = (-half, half);
-            // cross(left, v) ≤ slack and cross(right, v) ≥ −slack, solved for v.0
-            for (edge, sign) in [(left, 1.0), (right, -1.0)] {
-                let (ex, ey) = (edge.0 as f64, edge.1 as f64);
-                if ey * sign > 0.0 {
-                    low = low.max((ex * y - sign * slack) / ey);
-                } else if ey * sign < 0.0 {
-                    high = high.min((ex * y - sign * slack) / ey);
-                }
-            }
-            for column in span(low - 1.0, high + 1.0, first.0, grid.width) {
-                let v = (first.0 + UNITS * column as i64, vy);
-                let Some(region) = self.region(v) else { continue };
-                arc += usize::from(region == Region::Arc);
-                if self.hit || region == Region::Interior {
-                    cells.push(Cell { index: row * grid.width + column, region, v });
-                }
-            }
-        }
-        arc
-    }
-
-    /// How far it reaches, units.
+    /// The largest distance of a cell's centre from the sensor, units.
     pub fn outer(&self) -> i64 {
         self.outer
     }
@@ -254,7 +214,7 @@ impl Cone {
         (d, (cross(self.axis, v).abs() as f64).atan2(dot(self.axis, v) as f64))
     }
 
-    /// The cell as it is reported.
+    /// The cell with its column and row, for callers outside of the oracle.
     pub fn update(&self, grid: &GridSpec, cell: &Cell) -> CellUpdate {
         let (d, theta) = self.polar(cell.v);
         let (column, row) = (cell.index % grid.width, cell.index / grid.width);
@@ -268,15 +228,7 @@ fn direction(angle: f64) -> Vector {
     ((LENGTH * c + 0.5).floor() as i64, (LENGTH * s + 0.5).floor() as i64)
 }
 
-/// The cells of a row or column whose centres lie between `low` and `high` units, and one more on either side.
-fn span(low: f64, high: f64, first: i64, count: usize) -> std::ops::Range<usize> {
-    let at = |v: f64| (v - first as f64) / UNITS as f64;
-    let from = (at(low).floor() - 1.0).clamp(0.0, count as f64) as usize;
-    let to = (at(high).ceil() + 2.0).clamp(0.0, count as f64) as usize;
-    from..to.max(from)
-}
-
-/// Refuses a sensor that the rules don't cover.
+/// Refuses a sensor outside of the limits of the membership rules.
 fn check(sensor: &Sensor, epsilon: f64) -> Result<()> {
     let widest = 60f64.to_radians() + 1e-12;
     if !(0.0..=widest).contains(&sensor.half_width) {

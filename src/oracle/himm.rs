@@ -4,7 +4,7 @@
 //! a kernel in fixed point loses up to a unit a step, which the clamps forget again.
 
 use super::cone::Cone;
-use super::{Finished, OracleLayer, Region, Tally};
+use super::{MethodOutput, OracleLayer, Region, UpdateCounts};
 use crate::grid::GridSpec;
 use crate::method::settings::Himm;
 
@@ -15,7 +15,7 @@ const OCCUPIED: f64 = 3.0;
 /// The kernels' fixed point of the growth-rate operator.
 const GRO_UNIT: f64 = 1.0 / 65536.0;
 
-/// Counts, and what a kernel's may differ by.
+/// The count of each cell, and the bound of a kernel's error in it.
 struct State<'a> {
     grid: &'a GridSpec,
     count: Vec<f64>,
@@ -23,7 +23,7 @@ struct State<'a> {
 }
 
 impl State<'_> {
-    /// Sets a cell to `value` ± `error`, clamped: where the clamp surely acts, no error is left.
+    /// Sets a cell to `value` ± `error`, clamped to 0..=15; where both ends are clamped to the same value the error is 0.
     fn set(&mut self, k: usize, value: f64, error: f64) {
         let sure = value - error >= MOST || value + error <= 0.0;
         self.count[k] = value.clamp(0.0, MOST);
@@ -49,14 +49,14 @@ impl State<'_> {
     }
 }
 
-/// Layer count and the classes.
-pub(super) fn map(grid: &GridSpec, cones: &[Cone], settings: &Himm, tally: &mut Tally) -> Finished {
+/// Maps the cones, in their order: the layer count, and the classes.
+pub(super) fn map(grid: &GridSpec, cones: &[Cone], settings: &Himm, counts: &mut UpdateCounts) -> MethodOutput {
     let cell_count = grid.cells();
     let mut state = State { grid, count: vec![0.0; cell_count], error: vec![0.0; cell_count] };
     let mut cells = Vec::new();
     for cone in cones {
         let n = cone.cells(grid, &mut cells);
-        tally.add(cone, &cells, n);
+        counts.add(cone, &cells, n);
         cells.sort_by_key(|cell| cell.region == Region::Arc);
         for cell in &cells {
             let k = cell.index;
@@ -69,10 +69,10 @@ pub(super) fn map(grid: &GridSpec, cones: &[Cone], settings: &Himm, tally: &mut 
     }
     let State { count, error, .. } = state;
     let class = (0..cell_count)
-        .map(|k| if !tally.is_touched(k) { 0 } else { 2 * i8::from(count[k] >= OCCUPIED) - 1 })
+        .map(|k| if !counts.is_touched(k) { 0 } else { 2 * i8::from(count[k] >= OCCUPIED) - 1 })
         .collect();
     let ambiguous = (0..cell_count).map(|k| error[k] > 0.0 && (count[k] - OCCUPIED).abs() <= error[k]).collect();
     // stored as f32: exact up to 20 bits after the point of a count
     let bound = error.iter().map(|e| if *e > 0.0 { e + MOST * super::bound::U } else { 0.0 }).collect();
-    Finished { layers: vec![OracleLayer { name: "count", values: count, bound }], class, ambiguous }
+    MethodOutput { layers: vec![OracleLayer { name: "count", values: count, bound }], class, ambiguous }
 }

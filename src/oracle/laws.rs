@@ -1,7 +1,7 @@
 //! Laws that the reference obeys on random readings.
 
 use super::vectors::{reading, sonar};
-use super::{OracleMap, cells_of, map};
+use super::{OracleMap, map, updated_cells};
 use crate::grid::GridSpec;
 use crate::log::reading::{Outcome, Reading};
 use crate::method::settings::Settings;
@@ -89,7 +89,7 @@ proptest! {
         let settings = Settings::of("bayes").unwrap();
         let map = run(&grid(), &readings, "bayes");
         let each: u64 = readings.iter()
-            .map(|r| cells_of(&grid(), &sonar(13.0), r, &settings, None).unwrap().len() as u64)
+            .map(|r| updated_cells(&grid(), &sonar(13.0), r, &settings, None).unwrap().len() as u64)
             .sum();
         let total: u64 = map.interior.iter().chain(&map.arc).map(|c| u64::from(*c)).sum();
         prop_assert_eq!((map.updates, total), (each, each));
@@ -104,12 +104,12 @@ proptest! {
         }
         for method in ["bayes", "himm"] {
             let settings = Settings::of(method).unwrap();
-            let whole = cells_of(&grid(), &sensor, &r, &settings, None).unwrap();
+            let whole = updated_cells(&grid(), &sensor, &r, &settings, None).unwrap();
             let mut single = 0;
             for row in 0..80 {
                 for column in 0..80 {
                     let one = GridSpec { i0: column - 40, j0: row - 40, width: 1, height: 1, ..grid() };
-                    let found = cells_of(&one, &sensor, &r, &settings, None).unwrap();
+                    let found = updated_cells(&one, &sensor, &r, &settings, None).unwrap();
                     single += found.len();
                     let listed = whole.iter().any(|c| (c.column as i64, c.row as i64) == (column, row));
                     prop_assert_eq!(listed, found.len() == 1);

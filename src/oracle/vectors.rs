@@ -1,8 +1,11 @@
 //! The specification's computed vectors, and hand-made small cases.
 
-use super::bound::Approx;
+use super::bound::BoundedValue;
 use super::cone::{Cone, Rule};
-use super::{Region, bayes, certainty, dempster_shafer, map, working};
+use super::{
+    Region, bayes, certainty, dempster_shafer, map,
+    trace::{Setup, trace},
+};
 use crate::grid::GridSpec;
 use crate::log::reading::{Outcome, Pose, Reading, Record};
 use crate::method::settings::{Bayes, DempsterShafer, Himm, Settings};
@@ -75,12 +78,13 @@ fn a_reading_is_explained_as_it_is_applied() {
     let settings = Settings::of("certainty").unwrap();
     let before = map(&grid, &sensors, &readings[..1], &settings, None).unwrap();
     let after = map(&grid, &sensors, &readings, &settings, None).unwrap();
-    let work = working(&grid, &sensors, &readings, &settings, None, 1).unwrap();
-    let arc: Vec<_> = work.cells.iter().filter(|c| c.update.region == Region::Arc).collect();
-    assert_eq!(arc.len(), work.arc_cells);
-    near(arc.iter().map(|c| c.cancelled).sum(), work.sum, 1e-12);
+    let setup = Setup { grid: &grid, sensors: &sensors, settings: &settings };
+    let traced = trace(&setup, &readings, None, 1).unwrap();
+    let arc: Vec<_> = traced.cells.iter().filter(|c| c.update.region == Region::Arc).collect();
+    assert_eq!(arc.len(), traced.arc_cells);
+    near(arc.iter().map(|c| c.cancelled).sum(), traced.sum, 1e-12);
     near(arc.iter().map(|c| c.normalised).sum(), 1.0, 1e-12);
-    for cell in &work.cells {
+    for cell in &traced.cells {
         let k = cell.update.row * grid.width + cell.update.column;
         let layer = if cell.update.region == Region::Arc { "occ" } else { "emp" };
         let was = before.layer(layer).unwrap().values[k];
@@ -128,7 +132,7 @@ fn bayes_expressions_and_recursion() {
     }
     // far and off-axis: neutral by the floors, to the bit
     let edge = bayes::likelihood(&settings, &cone(9.0), Region::Arc, (9.0, 14f64.to_radians()));
-    assert_eq!(edge, Approx { value: 0.5, bound: 0.0 });
+    assert_eq!(edge, BoundedValue { value: 0.5, bound: 0.0 });
 }
 
 #[test]
@@ -175,7 +179,7 @@ fn a_laser_leaves_no_holes() {
     laser.kind = Kind::Laser;
     for k in 0..200 {
         let hit = reading(0.013, 0.027, 0.031 * f64::from(k), 3.0, Outcome::Hit);
-        let cells = super::cells_of(&grid, &laser, &hit, &Settings::of("bayes").unwrap(), None).unwrap();
+        let cells = super::updated_cells(&grid, &laser, &hit, &Settings::of("bayes").unwrap(), None).unwrap();
         assert!(cells.iter().any(|c| c.region == Region::Arc), "reading {k} has no arc");
         assert!(cells.iter().filter(|c| c.region == Region::Interior).count() >= 19, "reading {k} has holes");
         assert!(cells.iter().all(|c| c.theta == 0.0));

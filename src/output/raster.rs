@@ -3,7 +3,7 @@
 
 use super::unwritable;
 use crate::Result;
-use crate::support::positioned;
+use crate::support::positional_io;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +45,7 @@ impl Raster {
         let file = file.and_then(|file| {
             if file.metadata()?.len() != length {
                 file.set_len(length)?;
-                positioned::write_all(&file, header, 0)?;
+                positional_io::write_all(&file, header, 0)?;
             }
             Ok(file)
         });
@@ -68,7 +68,7 @@ impl Raster {
         let row = block.width * self.size;
         for (k, bytes) in bytes.chunks_exact(row).take(block.height).enumerate() {
             let at = self.at(block.column, block.row + k);
-            positioned::write_all(&self.file, bytes, at).map_err(|e| unwritable(&self.path, e))?;
+            positional_io::write_all(&self.file, bytes, at).map_err(|e| unwritable(&self.path, e))?;
         }
         Ok(())
     }
@@ -84,7 +84,7 @@ impl Raster {
         let mut bytes = vec![0; row * block.height];
         for (k, bytes) in bytes.chunks_exact_mut(row).enumerate() {
             let at = self.at(block.column, block.row + k);
-            positioned::read_exact(&self.file, bytes, at).map_err(|e| unwritable(&self.path, e))?;
+            positional_io::read_exact(&self.file, bytes, at).map_err(|e| unwritable(&self.path, e))?;
         }
         Ok(bytes)
     }

@@ -13,7 +13,7 @@ use super::unwritable;
 use crate::grid::{GridSpec, Map};
 use crate::log::reading::{Outcome, Pose, Reading};
 use crate::method::settings::{Order, Settings};
-use crate::oracle::{self, Region, Working, WorkingCell};
+use crate::oracle::{self, CellTrace, ReadingTrace, Region};
 use crate::sensor::{Kind, Sensor};
 use crate::{Error, Result, method};
 pub(crate) use outline::Outline;
@@ -118,7 +118,7 @@ pub fn write_working(
     // All that stand before it count, and in the 1985 order those after it too.
     let whole = matches!(settings, Settings::Certainty(c) if c.order == Order::Batch);
     let until = if whole { readings.len() } else { number };
-    let working = oracle::working(grid, sensors, &readings[..until], settings, wedges, number - 1)?;
+    let trace = oracle::trace(&oracle::Setup { grid, sensors, settings }, &readings[..until], wedges, number - 1)?;
     let Some(sensor) = sensors.get(reading.record.sensor as usize) else {
         return Err(Error::Usage(format!("the reading of line {} names no sensor", reading.record.line)));
     };
@@ -127,14 +127,14 @@ pub fn write_working(
     let (outline, snapped) = Outline::of(grid, sensor, reading, method.footprint(), wedge)?;
     let weigh = weigher(settings);
     let panels = panels(settings, reading);
-    let layout = Layout::of(&outline, &working, &panels, &weigh);
+    let layout = Layout::of(&outline, &trace, &panels, &weigh);
     let paths = [WORKING_PICTURE, WORKING].map(|name| folder.join(name.of(number)));
-    picture::draw(grid, &outline, &working, &layout, &weigh, map)
+    picture::draw(grid, &outline, &trace, &layout, &weigh, map)
         .save(&paths[0])
         .map_err(|e| unwritable(&paths[0], e))?;
     let steps = matches!(settings, Settings::Certainty(_));
-    let is_arc = |c: &&WorkingCell| c.update.region == Region::Arc;
-    let arc_cells = working.cells.iter().filter(is_arc).count();
+    let is_arc = |c: &&CellTrace| c.update.region == Region::Arc;
+    let arc_cells = trace.cells.iter().filter(is_arc).count();
     let head = Head {
         reading: about(number, reading, sensor),
         method: method::name(method.as_ref()),
@@ -147,14 +147,14 @@ pub fn write_working(
             height: grid.height,
         },
         snapped,
-        interior_cells: working.cells.len() - arc_cells,
+        interior_cells: trace.cells.len() - arc_cells,
         arc_cells,
-        n: working.arc_cells,
+        n: trace.arc_cells,
         own_is: own_is(settings),
-        sum: steps.then_some(working.sum),
+        sum: steps.then_some(trace.sum),
         picture: &layout,
     };
-    let save = || -> std::io::Result<()> { std::fs::write(&paths[1], text(grid, &head, &working, steps)?) };
+    let save = || -> std::io::Result<()> { std::fs::write(&paths[1], text(grid, &head, &trace, steps)?) };
     save().map_err(|e| unwritable(&paths[1], e))?;
     Ok(paths)
 }
@@ -162,8 +162,8 @@ pub fn write_working(
 /// The error about a number that is no reading's.
 fn none(number: usize, readings: usize) -> Error {
     Error::Usage(match readings {
-        0 => format!("--working {number}: the log has no reading that is used"),
-        _ => format!("--working {number}: the log has {readings} readings that are used; give 1 to {readings}"),
+        0 => format!("`working {number}`: the log has no reading that is used"),
+        _ => format!("`working {number}`: the log has {readings} readings that are used; give 1 to {readings}"),
     })
 }
 
@@ -218,11 +218,11 @@ pub(crate) fn own_is(settings: &Settings) -> &'static str {
 }
 
 /// The JSON: the head over many lines, then a line a cell; `steps`: with the evidence cancelled and normalised.
-fn text(grid: &GridSpec, head: &Head, working: &Working, steps: bool) -> std::io::Result<Vec<u8>> {
+fn text(grid: &GridSpec, head: &Head, trace: &ReadingTrace, steps: bool) -> std::io::Result<Vec<u8>> {
     let mut text = serde_json::to_vec_pretty(head)?;
     text.truncate(text.len() - "\n}".len());
     text.extend(b",\n  \"cells\": [");
-    for (k, WorkingCell { update, own, cancelled, normalised }) in working.cells.iter().enumerate() {
+    for (k, CellTrace { update, own, cancelled, normalised }) in trace.cells.iter().enumerate() {
         let (x, y) = grid.centre(update.column, update.row);
         let cell = CellInfo {
             column: update.column,

@@ -199,7 +199,7 @@ pub(crate) fn too_large(method: &dyn Method, batch: &Batch, sums: bool, limits: 
     if too_large && one {
         return Err(Error::Resources(format!(
             "one reading reaches {entries} tiles of a chunk, more than the adapter's limit of {}: use a coarser \
-             --resolution or --backend cpu",
+             `resolution` or `backend cpu`",
             limits.entries.min(limits.parts)
         )));
     }

@@ -84,7 +84,7 @@ impl Session {
         if request.settings == Settings::Truth {
             if options.kind == Some(Kind::Sonar) {
                 return Err(Error::Usage(
-                    "method truth takes the nearest beam of each laser scan: leave out --sensor sonar".into(),
+                    "method truth takes the nearest beam of each laser scan: leave out `sensor sonar`".into(),
                 ));
             }
             options.kind = Some(Kind::Laser);
@@ -92,7 +92,7 @@ impl Session {
         if let Settings::Features(_) = request.settings {
             if options.kind == Some(Kind::Laser) {
                 return Err(Error::Usage(
-                    "method features tells what a sonar's readings came from: leave out --sensor laser".into(),
+                    "method features tells what a sonar's readings came from: leave out `sensor laser`".into(),
                 ));
             }
             options.kind = Some(Kind::Sonar);
@@ -120,7 +120,7 @@ impl Session {
                 0 => String::new(),
                 more => format!(", the first of {} bad lines", more + 1),
             };
-            return Err(Error::input(path, format!("{first}{more}; mend it, or leave out --strict")));
+            return Err(Error::input(path, format!("{first}{more}; mend it, or leave out `strict`")));
         }
         if survey.counts.used == 0 {
             return Err(Error::input(path, nothing_to_map(&survey)));
@@ -138,7 +138,7 @@ impl Session {
             let far = [grid.x0(), grid.y0()].into_iter().find(|v| v.abs() > FARTHEST);
             if let Some(far) = far {
                 let what = format!(
-                    "--bounds begin at {far} m: the counting sensor models map up to {FARTHEST:e} m from the origin"
+                    "`bounds` begin at {far} m: the counting sensor models map up to {FARTHEST:e} m from the origin"
                 );
                 return Err(Error::Usage(what));
             }
@@ -177,7 +177,7 @@ impl Session {
 
     /// Fails where a run needs more than the cap, or than the machine has; names the pose that made the grid so large.
     pub fn check_memory(&self, needed: u64, cap: Option<u64>) -> Result<()> {
-        let checked = self.grid.check_memory(needed, cap, "give smaller --bounds or a coarser --resolution");
+        let checked = self.grid.check_memory(needed, cap, "give smaller `bounds` or a coarser `resolution`");
         checked.map_err(|e| self.explain(e))
     }
 
@@ -329,7 +329,7 @@ fn lasers_only(path: &std::path::Path, request: &Request, error: Error) -> Error
     match sonar_wanted && Log::open(path, &laser).is_ok() {
         true => Error::input(
             path,
-            "it holds laser readings alone, and method features finds walls in a sonar's: map it with --method bayes",
+            "it holds laser readings alone, and method features finds walls in a sonar's: map it with `method bayes`",
         ),
         false => error,
     }
@@ -376,7 +376,7 @@ fn prepare(csm: &mut Csm, request: &Request, log: &Log, survey: &Survey) -> Resu
         (None, n) if names.is_empty() => Err(Error::input(
             path,
             format!(
-                "{n} hits carry class labels, but nothing says what they are: name the classes with --classes, or {plain}"
+                "{n} hits carry class labels, but nothing says what they are: name the classes with `classes`, or {plain}"
             ),
         )),
         (None, _) => Err(Error::input(path, format!("{} classes, more than {}: {plain}", names.len(), Palette::MOST))),
@@ -422,7 +422,7 @@ fn nothing_to_map(survey: &Survey) -> String {
         0 if *ignored > 0 => format!("holds no reading, but {ignored} lines (or scans) without one"),
         0 => "holds no reading".into(),
         read => format!(
-            "none of its {read} readings can be mapped: {}; check --sensor and the sensors' ranges (--set r_min=…, \
+            "none of its {read} readings can be mapped: {}; check `sensor` and the sensors' ranges (`r_min=…`, \
              hit_range=…, no_echo_range=…)",
             reasons.join(", ")
         ),

@@ -107,7 +107,7 @@ impl Survey {
     /// Adds to an error about the grid's size where it comes from, if a pose jumps.
     pub fn explain(&self, error: Error, path: &Path) -> Error {
         match self.jump() {
-            Some((line, what)) => Error::at(path, line, format!("{what}; if that is wrong, give --bounds. {error}")),
+            Some((line, what)) => Error::at(path, line, format!("{what}; if that is wrong, give `bounds`. {error}")),
             None => error,
         }
     }

@@ -175,7 +175,7 @@ mod tests {
             ("mounts", "some", "preset or none"),
         ] {
             let error = Overrides::default().set(name, value).unwrap_err();
-            assert_eq!(error.exit_code(), 2);
+            assert_eq!(error.kind(), crate::ErrorKind::Usage);
             let text = error.to_string();
             assert!(text.contains(&format!("{name}={value}")) && text.contains(allowed), "{text}");
         }

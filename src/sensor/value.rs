@@ -1,6 +1,6 @@
 //! The keys and values of a sensor table, in a TOML file or in a log's header.
 
-use crate::support::similar::similar;
+use crate::support::suggest::similar;
 use serde::{Deserialize, Deserializer, de};
 use std::fmt;
 

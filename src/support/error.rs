@@ -1,17 +1,15 @@
-//! The errors of the library, with their causes and exit codes.
-//!
-//! A message names the file, the line, the value and what to do, and includes the cause's own words. The program prints it once, in
-//! `cli`.
+//! The library's error, with its cause. A message names the file, the line, the value and the remedy; options and parameters stand in backticks, as
+//! in "give a coarser `resolution`", and the command writes them as its flags.
 
 use std::path::PathBuf;
 
 /// Every error of the library.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A parameter, a method or an option is wrong (exit code 2).
+    /// A parameter, a method or an option is wrong.
     #[error("{0}")]
     Usage(String),
-    /// A log, a sensor file or a map can't be read (exit code 3).
+    /// A log, a sensor file or a map can't be read.
     #[error("{}{}: {what}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
     Input {
         /// The file or folder that is at fault.
@@ -24,13 +22,13 @@ pub enum Error {
         #[source]
         cause: Option<Cause>,
     },
-    /// A GPU was asked for and none is there, or it can't do the work (exit code 4).
+    /// A GPU was asked for and none is there, or it can't do the work.
     #[error("{0}")]
     NoAdapter(String),
-    /// Memory or disk doesn't suffice, or the output can't be written (exit code 5).
+    /// Memory or disk doesn't suffice, or the output can't be written.
     #[error("{0}")]
     Resources(String),
-    /// A backend can't run a pass (exit code 4).
+    /// A backend can't run a pass.
     #[error(transparent)]
     Kernel(Box<dyn std::error::Error + Send + Sync>),
 }
@@ -75,7 +73,7 @@ impl Error {
         Error::Input { path: path.into(), line, what: error.message().to_string(), cause: Some(error.clone().into()) }
     }
 
-    /// The same error with an addition to its message.
+    /// Appends to the message, after a semicolon.
     pub fn and(self, more: &str) -> Self {
         match self {
             Error::Usage(what) => Error::Usage(format!("{what}; {more}")),
@@ -88,15 +86,28 @@ impl Error {
         }
     }
 
-    /// The process's exit code for this error.
-    pub fn exit_code(&self) -> u8 {
+    /// The kind of this error.
+    pub fn kind(&self) -> ErrorKind {
         match self {
-            Error::Usage(_) => 2,
-            Error::Input { .. } => 3,
-            Error::NoAdapter(_) | Error::Kernel(_) => 4,
-            Error::Resources(_) => 5,
+            Error::Usage(_) => ErrorKind::Usage,
+            Error::Input { .. } => ErrorKind::Input,
+            Error::NoAdapter(_) | Error::Kernel(_) => ErrorKind::NoAdapter,
+            Error::Resources(_) => ErrorKind::Resources,
         }
     }
+}
+
+/// The kind of an [`Error`], without its message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// [`Error::Usage`].
+    Usage,
+    /// [`Error::Input`].
+    Input,
+    /// [`Error::NoAdapter`].
+    NoAdapter,
+    /// [`Error::Resources`].
+    Resources,
 }
 
 /// The library's result.

@@ -1,7 +1,7 @@
-//! What the machine has: memory and disk that are free, sizes as text.
+//! Free memory and disk space of the machine; sizes in bytes as text.
 
-/// A size in bytes from its text: a number with KiB, MiB, GiB, TiB, kB, MB, GB, TB or B.
-pub fn parse(text: &str) -> Result<u64, String> {
+/// Parses a size in bytes: a number with KiB, MiB, GiB, TiB, kB, MB, GB, TB or B.
+pub fn parse_size(text: &str) -> Result<u64, String> {
     const UNITS: [(&str, f64); 9] = [
         ("KiB", 1024.0),
         ("MiB", 1048576.0),
@@ -20,8 +20,8 @@ pub fn parse(text: &str) -> Result<u64, String> {
     }
 }
 
-/// A size for people.
-pub fn show(bytes: u64) -> String {
+/// A size in KiB, MiB, GiB or TiB.
+pub fn format_size(bytes: u64) -> String {
     match bytes as f64 {
         b if b < 1048576.0 => format!("{:.0} KiB", b / 1024.0),
         b if b < 1073741824.0 => format!("{:.0} MiB", b / 1048576.0),
@@ -30,15 +30,15 @@ pub fn show(bytes: u64) -> String {
     }
 }
 
-/// Memory that the system would give now, bytes, where it tells.
+/// Available memory, bytes; `None` where the system doesn't tell.
 pub fn available() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|l| l.starts_with("MemAvailable:"))?;
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
-/// Space that is free where a folder lies, bytes, where the system tells.
-pub fn space(folder: &std::path::Path) -> Option<u64> {
+/// Free space of the disk of a folder, bytes; `None` where the system doesn't tell.
+pub fn free_space(folder: &std::path::Path) -> Option<u64> {
     #[cfg(unix)]
     return rustix::fs::statvfs(folder).ok().map(|s| s.f_bavail.saturating_mul(s.f_frsize));
     #[cfg(not(unix))]
@@ -49,11 +49,11 @@ pub fn space(folder: &std::path::Path) -> Option<u64> {
 mod tests {
     #[test]
     fn sizes() {
-        assert_eq!(super::parse("4GiB"), Ok(4 << 30));
-        assert_eq!(super::parse("1.5 kB"), Ok(1500));
-        assert_eq!(super::parse("1024"), Ok(1024));
+        assert_eq!(super::parse_size("4GiB"), Ok(4 << 30));
+        assert_eq!(super::parse_size("1.5 kB"), Ok(1500));
+        assert_eq!(super::parse_size("1024"), Ok(1024));
         for bad in ["", "GiB", "-1MB", "4 gigs", "nan"] {
-            assert!(super::parse(bad).is_err(), "{bad}");
+            assert!(super::parse_size(bad).is_err(), "{bad}");
         }
     }
 }

@@ -1,8 +1,8 @@
-//! What every room may use: errors, "did you mean", lines of 100 columns, the machine's memory, files read and written at a
-//! position.
+//! What every room may use: errors, suggestions for unknown names, lines of 100 columns, the machine's memory, file access at an
+//! offset.
 
 pub mod error;
 pub mod memory;
-pub(crate) mod positioned;
-pub(crate) mod similar;
-pub(crate) mod wrapped;
+pub(crate) mod positional_io;
+pub(crate) mod suggest;
+pub(crate) mod wrap;

@@ -101,7 +101,7 @@ impl<'a> Builder<'a> {
         let known = self.classes.iter().position(|c| c == name);
         if known.is_none() && self.declared {
             let names: Vec<&str> = self.classes.iter().map(String::as_str).collect();
-            let hint = crate::support::similar::similar(name, &names);
+            let hint = crate::support::suggest::similar(name, &names);
             return Err(self.text.fail(span, format!("class {name:?} isn't in classes{hint}: add it there")));
         }
         let k = known.unwrap_or_else(|| {

@@ -43,7 +43,7 @@ impl Campus {
         let (width, height) = (side("width", BLOCK[0] + STREET)?, side("height", BLOCK[1] + STREET)?);
         let needed = (width * height / (BLOCK[0] * BLOCK[1])) as u64 * BLOCK_BYTES;
         if let Some(free) = memory::available().filter(|free| needed > *free) {
-            let (needed, free) = (memory::show(needed), memory::show(free));
+            let (needed, free) = (memory::format_size(needed), memory::format_size(free));
             return Err(Error::Resources(format!(
                 "a campus of {width} × {height} m needs {needed}, but this machine has {free} free: make it smaller"
             )));

@@ -101,7 +101,7 @@ impl Rig {
             }
             _ => {
                 let Some(n) = sonars else {
-                    let hint = crate::support::similar::similar(name, &RIGS);
+                    let hint = crate::support::suggest::similar(name, &RIGS);
                     return Err(Error::Usage(format!(
                         "there is no rig {name:?}{hint}; ringN is a ring of 1 to {MAX_SONARS}"
                     )));

@@ -2,7 +2,7 @@
 
 use crate::geometry::plane::Point;
 use crate::sensor::{SensorValue as Value, angle, length};
-use crate::support::similar::similar;
+use crate::support::suggest::similar;
 use crate::{Error, Result};
 use std::ops::Range;
 use std::path::Path;

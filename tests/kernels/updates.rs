@@ -232,7 +232,7 @@ fn what_reaches_too_far_is_refused() {
             other => panic!("{what}: {other:?}"),
         }
     };
-    let away = "m, more than 512 cells of 0.1 m: give a coarser --resolution or a smaller --set r_max";
+    let away = "m, more than 512 cells of 0.1 m: give a coarser `resolution` or a smaller `r_max`";
     for free in
         [fan(&[(513.0, 0.0), (0.0, 1.0)]), fan(&[(1.0, 0.0), (-400.0, 400.0)]), fan(&[(1.0, 0.0), (f64::NAN, 0.0)])]
     {
@@ -251,7 +251,7 @@ fn what_reaches_too_far_is_refused() {
     assert!(agree(&edge).map.updates > 100);
 
     let message = update::check(&[sonar(15.0, 0.1, 26.0)], 0.05).unwrap_err().to_string();
-    assert!(message.contains("r_max is 26 m") && message.contains("coarser --resolution"), "{message}");
+    assert!(message.contains("r_max is 26 m") && message.contains("coarser `resolution`"), "{message}");
     assert!(update::check(&[sonar(15.0, 0.1, 25.0), scenes::laser(0.5, 80.0)], 0.05).is_ok());
 }
 

@@ -90,7 +90,13 @@ fn certainty_profiles() {
     });
     // Half of ε behind R, half of β off the axis: the reading's sum, from the reference, undoes the normalising.
     let scene = one(triangle(24.0, 7.0, 2.0, 1.0, 2.0), 24.0);
-    let work = oracle::working(&scene.grid, &scene.sensors, &scene.readings(), &settings, None, 0).unwrap();
+    let work = oracle::trace(
+        &oracle::Setup { grid: &scene.grid, sensors: &scene.sensors, settings: &settings },
+        &scene.readings(),
+        None,
+        0,
+    )
+    .unwrap();
     both(&scene, settings, |run| {
         // The sum magnifies the rounding of 1 − occ.
         let rounded = f64::from(f32::EPSILON) * work.sum;

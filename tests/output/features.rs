@@ -1,6 +1,7 @@
 //! Features beside a map: the places in the files are those of the walls, whatever the picture's scale.
 
 use crate::common::{map, write};
+use echogrid::ErrorKind;
 use echogrid::feature::rcd::{Rcd, Source};
 use echogrid::feature::{Corner, FeatureMap, Features, PointFeature, Wall};
 use echogrid::geometry::plane::{Point, Vector};
@@ -193,6 +194,6 @@ fn a_thousand_walls() {
 #[test]
 fn an_error_names_the_file() {
     let error = write_features(Path::new("/nowhere/at/all"), &known(), &grid()).unwrap_err();
-    assert_eq!(error.exit_code(), 5);
+    assert_eq!(error.kind(), ErrorKind::Resources);
     assert!(error.to_string().contains("features.geojson"), "{error}");
 }

@@ -1,6 +1,7 @@
 //! The folder's promise: the old map or the new one, never half; and nothing of anyone else's is touched.
 
 use crate::common::{info, map, write};
+use echogrid::ErrorKind;
 use echogrid::output::{Folder, read_map, write_map};
 use std::fs;
 use std::path::Path;
@@ -15,7 +16,7 @@ fn names(dir: &Path) -> Vec<String> {
 
 fn refused(path: &Path, why: &str) {
     let error = Folder::prepare(path).unwrap_err();
-    assert_eq!(error.exit_code(), 5);
+    assert_eq!(error.kind(), ErrorKind::Resources);
     assert!(error.to_string().contains(why), "{error}");
 }
 
@@ -141,7 +142,7 @@ fn files_that_appear_during_the_run_are_not_overwritten() {
     fs::create_dir(&path).unwrap();
     fs::write(path.join("notes.txt"), "mine").unwrap();
     let error = folder.finish().unwrap_err();
-    assert_eq!(error.exit_code(), 5);
+    assert_eq!(error.kind(), ErrorKind::Resources);
     assert_eq!(names(&path), ["notes.txt"]);
     // What was computed isn't lost, and no later run removes it.
     assert!(
@@ -168,7 +169,7 @@ fn files_that_come_into_a_map_during_the_run_keep_it() {
     assert_eq!(read_map(&path).unwrap().map.grid.width, 11);
     assert_eq!(fs::read_to_string(path.join("map.zarr/class/notes.txt")).unwrap(), "mine");
     assert_eq!(read_map(&dir.path().join("m.new-1")).unwrap().map.grid.width, 12);
-    assert_eq!(Folder::check(&path).unwrap_err().exit_code(), 5);
+    assert_eq!(Folder::check(&path).unwrap_err().kind(), ErrorKind::Resources);
     fs::remove_file(path.join("map.zarr/class/notes.txt")).unwrap();
     Folder::check(&path).unwrap();
 }
@@ -224,16 +225,16 @@ fn a_link_is_followed() {
 fn what_is_no_map_can_not_be_read() {
     let dir = tempfile::tempdir().unwrap();
     let error = read_map(dir.path()).unwrap_err();
-    assert_eq!(error.exit_code(), 3);
+    assert_eq!(error.kind(), ErrorKind::Input);
     let path = dir.path().join("m");
     write(&path, &map(11, 8), false);
     fs::remove_dir_all(path.join("map.zarr/class")).unwrap();
     let error = read_map(&path).unwrap_err();
-    assert_eq!(error.exit_code(), 3);
+    assert_eq!(error.kind(), ErrorKind::Input);
     write(&path, &map(11, 8), false);
     let chunk = path.join("map.zarr/class/c/0/0");
     let mut bytes = fs::read(&chunk).unwrap();
     bytes[10] ^= 0x40;
     fs::write(&chunk, bytes).unwrap();
-    assert_eq!(read_map(&path).unwrap_err().exit_code(), 3, "the checksum finds a flipped bit");
+    assert_eq!(read_map(&path).unwrap_err().kind(), ErrorKind::Input, "the checksum finds a flipped bit");
 }

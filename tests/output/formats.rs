@@ -1,6 +1,7 @@
 //! Every format read back, by our own reader or byte by byte.
 
 use crate::common::{EMPTY_ROW, OCCUPIED, info, layer, map, write};
+use echogrid::ErrorKind;
 use echogrid::grid::{Data, Map, Scale};
 use echogrid::output::{Folder, read_map, read_ros, write_map, write_picture};
 use std::collections::BTreeMap;
@@ -150,7 +151,7 @@ fn other_peoples_nav2_maps_are_read_or_refused_with_a_reason() {
     assert_eq!(negated.layer("class").unwrap().data, Data::I8(vec![-1, 1, 0]));
     let refused = |text: &str, picture: &[u8], why: &str| {
         let error = read(text, picture).unwrap_err();
-        assert_eq!(error.exit_code(), 3);
+        assert_eq!(error.kind(), ErrorKind::Input);
         assert!(error.to_string().contains(why), "{error}");
     };
     refused(&good.replace("0.00]", "0.3]"), picture, "turned maps");

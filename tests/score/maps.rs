@@ -1,6 +1,7 @@
 //! Which cells are compared: perfect maps, negatives, shifts, edges, grids that don't fit.
 
 use crate::common::*;
+use echogrid::ErrorKind;
 use echogrid::evaluate::score::{Options, Truth, score};
 use echogrid::grid::{Data, GridSpec, Map};
 use echogrid::world::{World, true_map};
@@ -86,7 +87,7 @@ fn grids_that_do_not_fall_on_one_another_are_refused() {
     let (good, options) = (map(&[E; 25]), Options::default());
     let refused = |grid: GridSpec| {
         let error = score("m", &good, &Truth::Map(Map { grid, ..good.clone() }), &options).unwrap_err();
-        assert_eq!(error.exit_code(), 2);
+        assert_eq!(error.kind(), ErrorKind::Usage);
         error.to_string()
     };
     assert!(refused(GridSpec { resolution: 0.05, ..good.grid }).contains("--resolution"));
@@ -107,5 +108,5 @@ fn a_worlds_file_is_a_truth() {
     let same = scored(&Map { grid, ..map_at(0, 0, grid.width, &class) }, &truth);
     assert_eq!((same.numbers.levels[0], same.numbers.accuracy), (same.numbers.cells, Some(1.0)));
     assert!(same.numbers.occupied > 100 && same.near.unwrap().cells < same.numbers.cells);
-    assert_eq!(Truth::open(&path, Some(f64::NAN)).unwrap_err().exit_code(), 2);
+    assert_eq!(Truth::open(&path, Some(f64::NAN)).unwrap_err().kind(), ErrorKind::Usage);
 }

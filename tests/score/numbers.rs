@@ -1,6 +1,7 @@
 //! Measures of probabilities, requirements, the table.
 
 use crate::common::*;
+use echogrid::ErrorKind;
 use echogrid::evaluate::score::{Options, Quality, Requirement, Score, Truth, probabilities, score, table};
 use echogrid::grid::Data;
 
@@ -75,7 +76,7 @@ fn requirements() {
         assert_eq!(check(text).unwrap().held, held, "{text}");
     }
     let error = check("dangr<1").unwrap_err();
-    assert!(error.to_string().contains("did you mean \"danger\"") && error.exit_code() == 2, "{error}");
+    assert!(error.to_string().contains("did you mean \"danger\"") && error.kind() == ErrorKind::Usage, "{error}");
     for text in ["danger", "<1", "danger<=", "danger<=x", "danger=1", "danger<=nan", "a!b"] {
         assert!(text.parse::<Requirement>().is_err(), "{text}");
     }

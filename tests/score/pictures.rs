@@ -1,6 +1,7 @@
 //! The pictures of ROS maps: PNG of every kind, PGM and PPM of every maxval, and those that are damaged or too large.
 
 use crate::ros::{CLASSES, PIXELS, YAML, classes, open, place};
+use echogrid::ErrorKind;
 use png::{BitDepth, ColorType};
 use std::path::Path;
 
@@ -101,7 +102,7 @@ fn pgm(folder: &Path, bytes: &[u8]) -> Result<Vec<i8>, String> {
     match open(folder, YAML) {
         Ok(ros) => Ok(classes(&ros.map)),
         Err(e) => {
-            assert!(e.exit_code() == 3 && e.to_string().contains("a.pgm: "), "{e}");
+            assert!(e.kind() == ErrorKind::Input && e.to_string().contains("a.pgm: "), "{e}");
             Err(e.to_string())
         }
     }
@@ -187,7 +188,8 @@ fn a_size_that_can_not_be_is_refused_before_memory_is_taken() {
     let error = open(folder, YAML).unwrap_err();
     let text = error.to_string();
     assert!(
-        error.exit_code() == 5 && text.contains("a.pgm is too large") || text.contains("it ends after 1 of"),
+        error.kind() == ErrorKind::Resources && text.contains("a.pgm is too large")
+            || text.contains("it ends after 1 of"),
         "{text}"
     );
 }

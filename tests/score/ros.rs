@@ -1,5 +1,6 @@
 //! A ROS map made by hand, its readings in every mode, and what the command says of one.
 
+use echogrid::ErrorKind;
 use echogrid::grid::{Data, Map};
 use echogrid::output::{RosMap, read_ros};
 use std::path::Path;
@@ -120,7 +121,7 @@ fn a_yaw_of_whole_quarters_turns_the_map_about_its_origin() {
     for yaw in ["0.3", "-0.1", "0.7853982", "90", "1.7"] {
         let error = with(yaw).unwrap_err();
         let text = error.to_string();
-        assert_eq!(error.exit_code(), 3);
+        assert_eq!(error.kind(), ErrorKind::Input);
         assert!(text.contains("m.yaml:3: origin: ") && text.contains("turned maps can't be read"), "{text}");
         assert!(text.contains(&format!("yaw {yaw}")) && text.contains("radians") == (yaw == "90"), "{text}");
     }
@@ -145,7 +146,7 @@ fn images_are_found_from_the_yaml_files_folder_or_by_their_path() {
     for (image, why) in [("gone.pgm", "m.yaml names it as its image"), ("../maps", "it is no file")] {
         std::fs::write(maps.join("m.yaml"), YAML.replace("a.pgm", image)).unwrap();
         let error = read_ros(&maps.join("m.yaml")).unwrap_err();
-        assert!(error.exit_code() == 3 && error.to_string().contains(why), "{error}");
+        assert!(error.kind() == ErrorKind::Input && error.to_string().contains(why), "{error}");
     }
 }
 

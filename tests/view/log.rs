@@ -306,7 +306,7 @@ fn what_is_wrong_is_refused() {
     let view = open(&corridor(&place), &[wanted("bayes", &[])]);
     let body = |text: &str| post(&view, "api/go", "", text.as_bytes());
     refused(body("{"), "the body is not what is wanted");
-    refused(body("{\"by\": \"mile\"}"), "go by");
+    refused(body("{\"by\": \"mile\"}"), "expected `reading` or `scan`");
     refused(body("{\"by\": \"scan\", \"to\": 3}"), "go by");
     refused(body("{\"to\": -1}"), "the body is not what is wanted");
     refused(body("{\"to\": 1, \"more\": 2}"), "more");

@@ -32,9 +32,9 @@ export function unanswered(): number {
 async function failure(response: Response): Promise<ServerError> {
   const text = await response.text().catch(() => "");
   try {
-    const told: unknown = JSON.parse(text);
-    if (typeof told === "object" && told !== null && "error" in told && typeof told.error === "string") {
-      return new ServerError(told.error);
+    const body: unknown = JSON.parse(text);
+    if (typeof body === "object" && body !== null && "error" in body && typeof body.error === "string") {
+      return new ServerError(body.error);
     }
   } catch {
     // Not JSON: the status must do.

@@ -3,7 +3,7 @@
 import type { GpuBatch } from "./generated/protocol";
 
 export interface Batch {
-  told: GpuBatch;
+  header: GpuBatch;
   /** The file, and where its first buffer begins. */
   file: ArrayBuffer;
   start: number;
@@ -12,7 +12,7 @@ export interface Batch {
 export function parse(file: ArrayBuffer): Batch {
   const bytes = new DataView(file).getUint32(0, true);
   const text = new TextDecoder().decode(new Uint8Array(file, 4, bytes));
-  return { told: JSON.parse(text) as GpuBatch, file, start: 4 + bytes };
+  return { header: JSON.parse(text) as GpuBatch, file, start: 4 + bytes };
 }
 
 /** Some bytes of a buffer. */

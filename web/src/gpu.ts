@@ -71,7 +71,7 @@ export class Runner {
     while (this.position < to && !this.quitting) {
       const end = Math.min(to, this.position + most);
       const batch = parse(await api.batch(this.lane, this.position, end));
-      if (!this.fits(batch.told) && end - this.position > 1) {
+      if (!this.fits(batch.header) && end - this.position > 1) {
         most = Math.ceil((end - this.position) / 2);
         continue;
       }
@@ -113,9 +113,9 @@ export class Runner {
     return sum;
   }
 
-  private fits(told: GpuBatch): boolean {
-    const spans = [...told.buffers, ...told.chunks.flatMap((c) => [c.tiles, c.entries])];
-    const largest = Math.max(told.parts_bytes, ...spans.map((s) => s.bytes));
+  private fits(header: GpuBatch): boolean {
+    const spans = [...header.buffers, ...header.chunks.flatMap((c) => [c.tiles, c.entries])];
+    const largest = Math.max(header.parts_bytes, ...spans.map((s) => s.bytes));
     return largest <= this.device.limits.maxStorageBufferBindingSize;
   }
 
@@ -162,28 +162,28 @@ export class Runner {
   private async run(batch: Batch): Promise<void> {
     this.plan ??= await api.plan(this.lane);
     const { device } = this;
-    const { told } = batch;
+    const { header } = batch;
     const made: GPUBuffer[] = [];
     const keep = (resource: GPUBindingResource): GPUBindingResource => {
       if ("buffer" in resource) made.push(resource.buffer);
       return resource;
     };
     const input = (name: string): GPUBindingResource => {
-      const span = told.buffers.find((b) => b.name === name) ?? { at: 0, bytes: 0 };
+      const span = header.buffers.find((b) => b.name === name) ?? { at: 0, bytes: 0 };
       return keep(this.upload(name, batch, span));
     };
     // The three inputs keep their places in the file, whatever a method calls them.
     const [cones, shares, first] = ["cones", "shares", "first_part"].map((name, k) =>
-      input(told.buffers[k]?.name ?? name),
+      input(header.buffers[k]?.name ?? name),
     );
     if (!cones || !shares || !first) throw new Error("the batch lacks its inputs");
     const parts = this.buffer(
       "parts",
-      told.parts_bytes,
+      header.parts_bytes,
       GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC | GPUBufferUsage.COPY_DST,
     );
     made.push(parts);
-    const chunks = told.chunks.map((chunk) => ({
+    const chunks = header.chunks.map((chunk) => ({
       chunk,
       tiles: keep(this.upload("tiles", batch, chunk.tiles)),
       entries: keep(this.upload("entries", batch, chunk.entries)),
@@ -194,10 +194,10 @@ export class Runner {
       device.pushErrorScope("out-of-memory");
       for (const step of this.plan.steps) {
         if (step.share) {
-          await this.share(told, parts, shares);
+          await this.share(header, parts, shares);
           continue;
         }
-        const shader = told.shaders[step.kernel ?? ""];
+        const shader = header.shaders[step.kernel ?? ""];
         if (!shader) throw new Error(`the batch has no kernel ${step.kernel}`);
         const pipeline = await this.pipeline(shader);
         const frame = this.frame(batch, step.mode);
@@ -216,7 +216,7 @@ export class Runner {
               entries: bound.map((resource, binding) => ({ binding, resource })),
             }),
           );
-          pass.dispatchWorkgroups(summing ? Math.ceil(told.readings / SUMMED) : chunk.count);
+          pass.dispatchWorkgroups(summing ? Math.ceil(header.readings / SUMMED) : chunk.count);
           pass.end();
         }
         device.queue.submit([encoder.finish()]);
@@ -224,7 +224,7 @@ export class Runner {
       const failed = await Promise.all([device.popErrorScope(), device.popErrorScope()]);
       const error = failed.find((e) => e);
       if (error) throw new Error(`the GPU refuses: ${error.message}`);
-      for (const { place, slots } of told.chunks) {
+      for (const { place, slots } of header.chunks) {
         for (const slot of slots) this.reached.set([...place, slot].join(), [...place, slot]);
       }
     } finally {
@@ -232,8 +232,8 @@ export class Runner {
     }
   }
 
-  private frame({ told, file, start }: Batch, mode: number | undefined): GPUBuffer {
-    const { at, bytes } = told.frame;
+  private frame({ header, file, start }: Batch, mode: number | undefined): GPUBuffer {
+    const { at, bytes } = header.frame;
     const words = file.slice(start + at, start + at + bytes);
     if (mode !== undefined) new DataView(words).setUint32(8, mode, true);
     const buffer = this.buffer("frame", bytes, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST);
@@ -242,9 +242,9 @@ export class Runner {
   }
 
   /** The host makes shares of counts: the one step that is not a kernel's. */
-  private async share(told: GpuBatch, parts: GPUBuffer, shares: GPUBindingResource): Promise<void> {
-    const counts = await read(this.device, [{ from: parts, at: 0, bytes: 4 * told.readings }]);
-    const answer = await api.share(this.lane, told.from, told.to, counts);
+  private async share(header: GpuBatch, parts: GPUBuffer, shares: GPUBindingResource): Promise<void> {
+    const counts = await read(this.device, [{ from: parts, at: 0, bytes: 4 * header.readings }]);
+    const answer = await api.share(this.lane, header.from, header.to, counts);
     if ("buffer" in shares) this.device.queue.writeBuffer(shares.buffer, 0, answer);
   }
 }

@@ -147,7 +147,7 @@ impl<'a> Tiles<'a> {
             if beams > most.one[0] || pairs > most.one[1] || iterations > most.max_loop_iterations {
                 return Err(Error::Resources(format!(
                     "the {} poses nearest to one tile of cells, with {beams} beams, are more than the adapter takes at once: \
-                     use --backend cpu, a coarser --resolution or fewer neighbours",
+                     use `backend cpu`, a coarser `resolution` or fewer neighbours",
                     scans.len()
                 )));
             }

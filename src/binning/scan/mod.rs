@@ -83,7 +83,7 @@ impl<'a, I: Iterator<Item = Result<Record>>> Scans<'a, I> {
                 if usize::from(label) > self.labels {
                     let (line, labels) = (record.line, self.labels);
                     let what = format!(
-                        "label {label}: there are classes 1 to {labels}; name more with --classes, or mend the log"
+                        "label {label}: there are classes 1 to {labels}; name more with `classes`, or mend the log"
                     );
                     return Err(Error::at(self.path, line, what));
                 }

@@ -2,7 +2,7 @@
 
 use super::Snapped;
 use crate::geometry::layout::Beam;
-use crate::support::positioned;
+use crate::support::positional_io;
 use crate::{Error, Result};
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -65,7 +65,7 @@ impl Store {
             None => tempfile::tempfile_in(&self.folder).map_err(full)?,
         };
         let at = self.spilled * size_of::<Beam>() as u64;
-        positioned::write_all(&file, bytemuck::cast_slice(&self.held), at).map_err(full)?;
+        positional_io::write_all(&file, bytemuck::cast_slice(&self.held), at).map_err(full)?;
         self.spilled += self.held.len() as u64;
         self.held = Vec::new();
         self.spill = Some(file);
@@ -97,7 +97,11 @@ impl Store {
         let before = beams.len();
         beams.resize(before + count, bytemuck::Zeroable::zeroed());
         let Some(file) = &self.spill else { return Ok(()) };
-        positioned::read_exact(file, bytemuck::cast_slice_mut(&mut beams[before..]), start * size_of::<Beam>() as u64)
-            .map_err(|e| Error::Resources(format!("spilled beams can't be read back: {e}")))
+        positional_io::read_exact(
+            file,
+            bytemuck::cast_slice_mut(&mut beams[before..]),
+            start * size_of::<Beam>() as u64,
+        )
+        .map_err(|e| Error::Resources(format!("spilled beams can't be read back: {e}")))
     }
 }

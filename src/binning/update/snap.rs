@@ -41,7 +41,7 @@ pub fn check(sensors: &[Sensor], resolution: f64) -> Result<()> {
         if 32.0 * reach / resolution > FARTHEST as f64 {
             return Err(Error::Usage(format!(
                 "sensor {}: r_max is {} m, more than the 512 cells of {resolution} m that method features takes: give a \
-                 coarser --resolution or a smaller --set r_max",
+                 coarser `resolution` or a smaller `r_max`",
                 sensor.id, sensor.r_max
             )));
         }
@@ -143,8 +143,8 @@ impl Points<'_> {
 
     fn far(&self, metres: f64) -> Error {
         Error::Usage(format!(
-            "the update of line {} reaches {metres:.2} m, more than 512 cells of {} m: give a coarser --resolution or a \
-             smaller --set r_max",
+            "the update of line {} reaches {metres:.2} m, more than 512 cells of {} m: give a coarser `resolution` or a \
+             smaller `r_max`",
             self.reading.record.line, self.grid.resolution
         ))
     }

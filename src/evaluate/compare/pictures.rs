@@ -1,28 +1,30 @@
-//! What a failed comparison leaves to look at: both maps and their difference, one picture each.
+//! The pictures of a failed comparison: both maps and their difference.
 
-use super::shared::Shared;
+use super::overlap::Overlap;
 use super::{Comparison, LayerDifference, differs, distance, tolerance_of};
 use crate::grid::{Data, Layer, Map, Scale};
 use crate::output::write_picture;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Writes, for every layer that differs, both pictures and their difference into `folder`, made if need be, and returns
-/// the paths. In the difference red is where the second map is higher; cells that differ are never fainter than a
-/// quarter of full colour.
+/// Writes both pictures and their difference for every layer that differs, into a folder that is created if need be. Returns the paths. In
+/// the difference red is where the second map is higher; a cell that differs has at least a quarter of the full colour.
+///
+/// # Errors
+/// [`Error::Resources`] where a file can't be written or another file has its name.
 pub fn write_pictures(a: &Map, b: &Map, comparison: &Comparison, folder: &Path) -> Result<Vec<PathBuf>> {
     let mut written = Vec::new();
     if comparison.layers.is_empty() || comparison.equal {
         return Ok(written);
     }
-    let shared = Shared::of(&a.grid, &b.grid)?;
+    let overlap = Overlap::of(&a.grid, &b.grid)?;
     std::fs::create_dir_all(folder)
         .map_err(|e| Error::Resources(format!("{} can't be made: {e}; give another folder", folder.display())))?;
-    let (left, right) = (shared.cut(a, shared.a), shared.cut(b, shared.b));
+    let (left, right) = (overlap.crop(a, overlap.a), overlap.crop(b, overlap.b));
     for found in comparison.layers.iter().filter(|l| l.differ > 0) {
         let (Some(from), Some(to)) = (left.layer(&found.name), right.layer(&found.name)) else { continue };
-        let between = between(from, to, found, comparison.tolerance);
-        // Without `touched`, so that a cell that only one side touched shows its colour.
+        let difference = difference_layer(from, to, found, comparison.tolerance);
+        // Without the layer `touched`, so that a cell that only one map touched shows its colour.
         let bare = Map {
             grid: left.grid,
             method: left.method.clone(),
@@ -30,9 +32,9 @@ pub fn write_pictures(a: &Map, b: &Map, comparison: &Comparison, folder: &Path) 
             updates: 0,
             increments: Vec::new(),
         };
-        for (map, layer, suffix) in [(&left, from, "a"), (&right, to, "b"), (&bare, &between, "difference")] {
+        for (map, layer, suffix) in [(&left, from, "a"), (&right, to, "b"), (&bare, &difference, "difference")] {
             let path = folder.join(format!("{}.{suffix}.png", found.name));
-            check(&path)?;
+            refuse_other_file(&path)?;
             write_picture(&path, map, layer)?;
             written.push(path);
         }
@@ -40,8 +42,8 @@ pub fn write_pictures(a: &Map, b: &Map, comparison: &Comparison, folder: &Path) 
     Ok(written)
 }
 
-/// Refuses to write over a file that is no picture.
-fn check(path: &Path) -> Result<()> {
+/// Refuses to overwrite a file that is no PNG.
+fn refuse_other_file(path: &Path) -> Result<()> {
     match std::fs::read(path) {
         Ok(bytes) if !bytes.starts_with(b"\x89PNG") => Err(Error::Resources(format!(
             "{} is there and is no picture, so it is left as it is: give another folder with --pictures",
@@ -51,11 +53,11 @@ fn check(path: &Path) -> Result<()> {
     }
 }
 
-/// The difference of two layers of the same size, as a layer to be shown.
-fn between(from: &Layer, to: &Layer, found: &LayerDifference, tolerance: f64) -> Layer {
+/// The difference of two layers of the same size, as a layer to draw.
+fn difference_layer(from: &Layer, to: &Layer, found: &LayerDifference, tolerance: f64) -> Layer {
     let tolerance = tolerance_of(&found.name, tolerance);
     let full = if found.largest.is_finite() && found.largest > 0.0 { found.largest } else { 1.0 };
-    let shown = |k: usize| {
+    let value = |k: usize| {
         let (a, b) = (from.data.get(k), to.data.get(k));
         let size = (distance(a, b) / full).clamp(0.25, 1.0) as f32;
         match differs(a, b, tolerance) {
@@ -64,7 +66,7 @@ fn between(from: &Layer, to: &Layer, found: &LayerDifference, tolerance: f64) ->
             true => size,
         }
     };
-    let data = Data::F32((0..from.data.len()).map(shown).collect());
+    let data = Data::F32((0..from.data.len()).map(value).collect());
     let scale = Scale::Signed { limit: 1.0 };
     Layer { name: "difference".into(), about: "second minus first", data, fill: 0.0, scale }
 }

@@ -1,18 +1,19 @@
-//! The cells to compare, truth and map laid on one another. A margin of cells that are not compared runs around them, so
-//! that every compared cell has its neighbours.
+//! The cells to compare: the truth and the map on one grid. A margin of cells that are not compared surrounds them, so that every compared
+//! cell has its neighbours.
 
 use super::levels::{NOT_COMPARED, class_of, level};
 use super::probability::probabilities;
 use super::{Options, TrueCells};
+use crate::evaluate::compare::axis_overlap;
 use crate::grid::{GridSpec, Map};
 use crate::output::tidy;
 use crate::{Error, Result};
 use rayon::prelude::*;
 
-/// Truth and map on one grid, row by row from the bottom.
+/// The truth and the map on one grid, row by row from the bottom.
 #[derive(Debug, Clone)]
-pub struct Cells {
-    /// Where they are, margin included.
+pub struct ScoredCells {
+    /// The grid, with the margin.
     pub grid: GridSpec,
     /// Cells of margin on each side.
     pub margin: usize,
@@ -24,20 +25,23 @@ pub struct Cells {
     pub probability: Vec<f32>,
     /// Error level of each cell, 0 to 9, or [`NOT_COMPARED`].
     pub levels: Vec<u8>,
-    /// How many cells beside it an occupied cell may lie and still match.
+    /// Cells by which an occupied cell may be displaced and still match.
     pub tolerance: usize,
 }
 
-impl Cells {
-    /// Lays a map on its truth. Grids that don't fall on one another are an error.
-    pub fn of(map: &Map, truth: &TrueCells, options: &Options) -> Result<Cells> {
-        let across = apart(&truth.grid, &map.grid)?;
+impl ScoredCells {
+    /// Puts a map and its truth on one grid.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where their cells do not coincide, there is nothing to compare, or the map lacks a layer.
+    pub fn of(map: &Map, truth: &TrueCells, options: &Options) -> Result<ScoredCells> {
+        let offset = cell_offset(&truth.grid, &map.grid)?;
         let (Some(class), Some(touched)) = (map.layer("class"), map.layer("touched")) else {
             return Err(Error::Usage(format!("the {} map has no layers class and touched", map.method)));
         };
-        let rectangle = if truth.all { truth.grid } else { shared(&truth.grid, &map.grid, across)? };
+        let rectangle = if truth.all { truth.grid } else { overlap(&truth.grid, &map.grid, offset)? };
         let margin = options.tolerance.max(1);
-        let grid = grown(&rectangle, margin);
+        let grid = with_margin(&rectangle, margin);
         let probability = probabilities(map);
         let decided = |k: usize| match options.decide {
             None => class_of(class.data.get(k)),
@@ -47,15 +51,15 @@ impl Cells {
                 i8::from(p > high as f32) - i8::from(p < low as f32)
             }
         };
-        // Where the frame's cells lie in the truth's grid, and in the map's.
+        // The first cell of this grid in the truth's grid, and in the map's.
         let in_truth = (grid.i0 - truth.grid.i0, grid.j0 - truth.grid.j0);
-        let in_map = (in_truth.0 - across.0, in_truth.1 - across.1);
-        let actual = take(&grid, &truth.grid, in_truth, 0, |k| truth.class[k].signum());
-        let obtained = take(&grid, &map.grid, in_map, 0, decided);
-        let seen = take(&grid, &map.grid, in_map, false, |k| touched.data.get(k) != 0.0);
-        let probability = take(&grid, &map.grid, in_map, 0.5, |k| probability[k]);
+        let in_map = (in_truth.0 - offset.0, in_truth.1 - offset.1);
+        let actual = resample(&grid, &truth.grid, in_truth, 0, |k| truth.class[k].signum());
+        let obtained = resample(&grid, &map.grid, in_map, 0, decided);
+        let seen = resample(&grid, &map.grid, in_map, false, |k| touched.data.get(k) != 0.0);
+        let probability = resample(&grid, &map.grid, in_map, 0.5, |k| probability[k]);
         let tolerance = options.tolerance;
-        let mut cells = Cells { grid, margin, actual, obtained, probability, levels: Vec::new(), tolerance };
+        let mut cells = ScoredCells { grid, margin, actual, obtained, probability, levels: Vec::new(), tolerance };
         cells.levels = cells.find_levels(|k| truth.all || (seen[k] && cells.actual[k] != 0));
         if cells.levels.iter().all(|l| *l == NOT_COMPARED) {
             return Err(Error::Usage(
@@ -73,7 +77,7 @@ impl Cells {
             for column in margin..width - margin {
                 let k = row * width + column;
                 if compared(k) {
-                    let near = |class: &[i8]| self.beside(class, k, 1);
+                    let near = |class: &[i8]| self.has_occupied_neighbour(class, k, 1);
                     levels[column] = level(self.actual[k], self.obtained[k], near(&self.obtained), near(&self.actual));
                 }
             }
@@ -81,8 +85,8 @@ impl Cells {
         levels
     }
 
-    /// Whether a cell within `reach` of cell `k`, other than itself, is occupied. `k` is no cell of the margin.
-    fn beside(&self, class: &[i8], k: usize, reach: usize) -> bool {
+    /// Whether another cell within `reach` of cell `k` is occupied. `k` is not in the margin.
+    fn has_occupied_neighbour(&self, class: &[i8], k: usize, reach: usize) -> bool {
         let width = self.grid.width;
         let first = k - reach * width - reach;
         (0..=2 * reach).any(|row| {
@@ -92,42 +96,42 @@ impl Cells {
     }
 
     /// Whether cell `k` or one within the tolerance is truly occupied.
-    pub(super) fn truly_near(&self, k: usize) -> bool {
-        self.actual[k] > 0 || self.beside(&self.actual, k, self.tolerance)
+    pub(super) fn is_near_true_wall(&self, k: usize) -> bool {
+        self.actual[k] > 0 || self.has_occupied_neighbour(&self.actual, k, self.tolerance)
     }
 
     /// Whether cell `k` or one within the tolerance is occupied in the map.
-    pub(super) fn found_near(&self, k: usize) -> bool {
-        self.obtained[k] > 0 || self.beside(&self.obtained, k, self.tolerance)
+    pub(super) fn is_near_shown_wall(&self, k: usize) -> bool {
+        self.obtained[k] > 0 || self.has_occupied_neighbour(&self.obtained, k, self.tolerance)
     }
 }
 
-/// Values of a grid on the frame's cells; `first` is the frame's first cell in that grid.
-fn take<T: Copy + Send + Sync>(
+/// The values of a grid on the cells of `frame`, whose first cell is `first` in that grid.
+fn resample<T: Copy + Send + Sync>(
     frame: &GridSpec,
     grid: &GridSpec,
     first: (i64, i64),
     outside: T,
     value: impl Fn(usize) -> T + Sync,
 ) -> Vec<T> {
-    let mut taken = vec![outside; frame.cells()];
-    taken.par_chunks_mut(frame.width).enumerate().for_each(|(line, taken)| {
+    let mut values = vec![outside; frame.cells()];
+    values.par_chunks_mut(frame.width).enumerate().for_each(|(line, values)| {
         let row = first.1 + line as i64;
         if !(0..grid.height as i64).contains(&row) {
             return;
         }
-        for (column, cell) in (first.0..).zip(taken) {
+        for (column, cell) in (first.0..).zip(values) {
             if (0..grid.width as i64).contains(&column) {
                 *cell = value(row as usize * grid.width + column as usize);
             }
         }
     });
-    taken
+    values
 }
 
-/// How many cells the second grid starts after the first, or why their cells don't fall on one another.
-fn apart(truth: &GridSpec, map: &GridSpec) -> Result<(i64, i64)> {
-    // over the whole map the two may drift apart by a hundredth of a cell
+/// The number of cells from the truth's first cell to the map's, in x and y; an error where the cells do not coincide.
+fn cell_offset(truth: &GridSpec, map: &GridSpec) -> Result<(i64, i64)> {
+    // Over the whole map the two may drift apart by a hundredth of a cell.
     let largest = [map.width, map.height, truth.width, truth.height].into_iter().fold(1, usize::max);
     if (truth.resolution / map.resolution - 1.0).abs() * largest as f64 > 0.01 {
         return Err(Error::Usage(format!(
@@ -155,21 +159,22 @@ fn apart(truth: &GridSpec, map: &GridSpec) -> Result<(i64, i64)> {
     })
 }
 
-/// The rectangle that both grids have, on the truth's anchor.
-fn shared(truth: &GridSpec, map: &GridSpec, (across, up): (i64, i64)) -> Result<GridSpec> {
-    let span = |offset: i64, truth: usize, map: usize| {
-        let (low, high) = (offset.max(0), (truth as i64).min(offset + map as i64));
-        (high > low).then_some((low, (high - low) as usize))
-    };
-    match (span(across, truth.width, map.width), span(up, truth.height, map.height)) {
-        (Some((i, width)), Some((j, height))) => {
-            Ok(GridSpec { i0: truth.i0 + i, j0: truth.j0 + j, width, height, ..*truth })
-        }
+/// The rectangle that both grids have in common, on the truth's anchor.
+fn overlap(truth: &GridSpec, map: &GridSpec, (across, up): (i64, i64)) -> Result<GridSpec> {
+    match (axis_overlap(across, truth.width, map.width), axis_overlap(up, truth.height, map.height)) {
+        (Some(x), Some(y)) => Ok(GridSpec {
+            i0: truth.i0 + x.a as i64,
+            j0: truth.j0 + y.a as i64,
+            width: x.length,
+            height: y.length,
+            ..*truth
+        }),
         _ => Err(Error::Usage("the map and its truth have no cell in common: are they of the same place?".into())),
     }
 }
 
-fn grown(grid: &GridSpec, by: usize) -> GridSpec {
+/// A grid with a margin of so many cells.
+fn with_margin(grid: &GridSpec, by: usize) -> GridSpec {
     let (i0, j0) = (grid.i0 - by as i64, grid.j0 - by as i64);
     GridSpec { i0, j0, width: grid.width + 2 * by, height: grid.height + 2 * by, ..*grid }
 }

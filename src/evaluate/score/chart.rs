@@ -1,4 +1,4 @@
-//! A histogram of error levels as SVG.
+//! The histogram of error levels as SVG.
 
 use super::picture::colour;
 use crate::output::svg::escape;
@@ -11,7 +11,7 @@ const BOTTOM: f64 = 44.0;
 /// Zone of each level.
 const ZONES: [&str; 10] = ["Z1", "Z1", "Z3", "Z3", "Z3", "Z4", "Z4", "Z5", "Z5", "Z5"];
 
-/// Cells of each level on a logarithmic scale: level 0 is most of any map. `title` is plain text.
+/// The cells of each level on a logarithmic scale, as most cells of any map have level 0. `title` is plain text.
 pub(super) fn histogram(title: &str, levels: &[u64; 10]) -> String {
     let decades = levels.iter().max().map_or(1, |&m| (m.max(1) as f64).log10().floor() as usize + 1);
     let (base, scale) = (HEIGHT - BOTTOM, (HEIGHT - BOTTOM - TOP) / decades as f64);
@@ -34,7 +34,7 @@ pub(super) fn histogram(title: &str, levels: &[u64; 10]) -> String {
     for (level, &cells) in levels.iter().enumerate() {
         let x = LEFT + level as f64 * step;
         let middle = x + step / 2.0;
-        // One cell is a sliver, none is nothing.
+        // One cell is still visible; none is not drawn.
         let height = if cells == 0 { 0.0 } else { ((cells as f64).log10() * scale).max(2.0) };
         if cells > 0 {
             svg += &format!(

@@ -1,8 +1,8 @@
-//! How right a map is, and how dangerous: every cell against a true map.
+//! Scores a map against a truth, cell by cell: how accurate it is, and how dangerous its errors are.
 //!
-//! An error [`level`] from 0 (right) to 9 (a wall shown as free, with nothing near it) for every cell, summed to the zones
-//! Z1 to Z5; what share of the cells is right, of the walls found, of the walls freed; and how good the method's
-//! probabilities are. `docs/scores.md` says what each number means.
+//! Every cell gets an error [`level`] from 0 (right) to 9 (a wall shown as free, with nothing near it). The levels are summed to the zones
+//! Z1 to Z5. Further numbers are the accuracy, recall and precision of walls, and the quality of the method's probabilities.
+//! `docs/scores.md` defines each number.
 
 mod cells;
 mod chart;
@@ -15,7 +15,7 @@ mod require;
 mod table;
 mod truth;
 
-pub use cells::Cells;
+pub use cells::ScoredCells;
 pub use levels::{NOT_COMPARED, Zones, level};
 pub use numbers::Numbers;
 pub(crate) use picture::LEVELS;
@@ -23,7 +23,7 @@ pub use probability::{Quality, probabilities};
 pub use report::write_report;
 pub use require::{Check, Requirement};
 pub use table::table;
-pub use truth::{TrueCells, Truth, open_map, open_map_noting, reach, wider};
+pub use truth::{TrueCells, Truth, extended_box, open_map, open_map_with_notes, sensor_range};
 
 use crate::Result;
 use crate::grid::Map;
@@ -32,11 +32,9 @@ use serde::Serialize;
 /// How to score.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Cells, in x and in y, by which an occupied cell may lie beside a true one and still match it. 1: the eight
-    /// neighbours.
+    /// Cells, in x and in y, by which an occupied cell may be displaced from a true one and still match it. 1: the eight neighbours.
     pub tolerance: usize,
-    /// Decide each scored cell by its probability, occupied above the first, empty below the second, in place of the
-    /// method's own rule.
+    /// Thresholds of the probability, occupied above the first and empty below the second, in place of the method's decision rule.
     pub decide: Option<(f64, f64)>,
 }
 
@@ -49,24 +47,27 @@ impl Default for Options {
 /// One map's score.
 #[derive(Debug, Clone, Serialize)]
 pub struct Score {
-    /// The map, as it was named.
+    /// The map's name.
     pub path: String,
     /// Its method.
     pub method: String,
-    /// Over all cells compared.
+    /// The numbers over all compared cells.
     #[serde(flatten)]
     pub numbers: Numbers,
-    /// The same over the world's bounding box and half a metre around it, where the truth is a world.
+    /// The numbers over the world's bounding box and half a metre around it, where the truth is a world.
     pub near: Option<Numbers>,
-    /// The cells themselves, for pictures.
+    /// The compared cells.
     #[serde(skip)]
-    pub cells: Cells,
+    pub cells: ScoredCells,
 }
 
-/// Scores one map. `path` is what the score calls it.
+/// Scores one map. `path` is its name in the score.
+///
+/// # Errors
+/// Those of [`Truth::on`] and [`ScoredCells::of`].
 pub fn score(path: &str, map: &Map, truth: &Truth, options: &Options) -> Result<Score> {
     let truth = truth.on(&map.grid)?;
-    let cells = Cells::of(map, &truth, options)?;
+    let cells = ScoredCells::of(map, &truth, options)?;
     let numbers = Numbers::of(&cells, None);
     let near = truth.near.map(|near| Numbers::of(&cells, Some(near)));
     Ok(Score { path: path.into(), method: map.method.clone(), numbers, near, cells })

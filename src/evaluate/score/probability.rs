@@ -1,12 +1,12 @@
-//! How good a map's probabilities are, and what each method's probability of occupied is.
+//! The probabilities of occupied of a map, and measures of their quality.
 
 use crate::grid::Map;
 use serde::Serialize;
 
 /// Bins of the expected calibration error.
 const BINS: usize = 10;
-/// Probabilities nearer to 0 or 1 than this count as this near in the log loss, which would else be infinite.
-const LEAST: f64 = 1e-6;
+/// The log loss clamps probabilities to this distance from 0 and 1: it would be infinite there.
+const CLAMP: f64 = 1e-6;
 
 /// Each cell's probability of occupied; 0.5 where no reading reached.
 ///
@@ -38,26 +38,26 @@ pub fn probabilities(map: &Map) -> Vec<f32> {
     (0..map.grid.cells()).map(|k| value(k) as f32).collect()
 }
 
-/// Four measures of probabilities; none where there is nothing to measure.
+/// Measures of probabilities; `None` where there are no cells to measure.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Quality {
     /// Mean (p − y)², y = 1 for a truly occupied cell, 0 for an empty one.
     pub brier: Option<f64>,
     /// Mean −ln of the probability given to what is true, natural logarithm.
     pub log_loss: Option<f64>,
-    /// The chance that an occupied cell has a higher probability than an empty one, ties half.
+    /// Area under the ROC curve: how often an occupied cell has a higher probability than an empty one, ties counted half.
     pub auc: Option<f64>,
     /// Expected calibration error: |mean p − share occupied|, over ten equal bins of p, weighted by their cells.
     pub ece: Option<f64>,
 }
 
 impl Quality {
-    /// Of cells' probabilities and whether they are truly occupied.
+    /// The measures of cells, given by their probabilities and whether they are truly occupied.
     pub fn of(mut cells: Vec<(f32, bool)>) -> Quality {
         if cells.is_empty() {
             return Quality::default();
         }
-        // In order of p, so that a sum doesn't depend on where the cells lie.
+        // Sorted by p, so that the sums do not depend on the cells' order.
         cells.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let n = cells.len() as f64;
         let (mut squares, mut loss) = (0.0, 0.0);
@@ -66,16 +66,16 @@ impl Quality {
             let p = f64::from(p);
             let right = if occupied { p } else { 1.0 - p };
             squares += (1.0 - right).powi(2);
-            loss -= right.clamp(LEAST, 1.0 - LEAST).ln();
+            loss -= right.clamp(CLAMP, 1.0 - CLAMP).ln();
             let bin = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
             *bin = (bin.0 + 1, bin.1 + p, bin.2 + u64::from(occupied));
         }
-        let off: f64 = bins.iter().map(|&(_, p, occupied)| (p - occupied as f64).abs()).sum();
-        Quality { brier: Some(squares / n), log_loss: Some(loss / n), auc: auc(&cells), ece: Some(off / n) }
+        let calibration: f64 = bins.iter().map(|&(_, p, occupied)| (p - occupied as f64).abs()).sum();
+        Quality { brier: Some(squares / n), log_loss: Some(loss / n), auc: auc(&cells), ece: Some(calibration / n) }
     }
 }
 
-/// Area under the ROC curve, from cells in order of p.
+/// Area under the ROC curve, of cells sorted by p.
 fn auc(cells: &[(f32, bool)]) -> Option<f64> {
     let occupied = cells.iter().filter(|c| c.1).count() as f64;
     let empty = cells.len() as f64 - occupied;

@@ -189,6 +189,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn labels_are_escaped_and_pictures_are_embedded() {
+        let figure = figure("map", "a<b>&\"c\"", b"\xfb\xff\xfe").into_string();
+        assert!(figure.contains("alt=\"map of a&lt;b&gt;&amp;&quot;c&quot;\""), "{figure}");
+        assert!(figure.contains("src=\"data:image/png;base64,+//+\""), "{figure}");
+    }
+
+    #[test]
     fn file_names_are_plain_and_differ() {
         let labels = ["a/b", "a:b", "../..", ""].map(String::from);
         assert_eq!(file_names(&labels), ["a_b", "a_b-2", "map", "map-2"]);

@@ -1,4 +1,4 @@
-//! Conditions on a score, such as `danger<=0.02`: for CI.
+//! Conditions on a score, such as `danger<=0.02`, for CI.
 
 use super::Score;
 use crate::method::nearest;
@@ -10,24 +10,24 @@ use std::str::FromStr;
 /// A condition: a name of the JSON, an operator, a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
-    /// What it demands of: `danger`, `zones.z5` or `z5`, `levels.9`, `near.danger`, `near.z5` …
+    /// The number's name: `danger`, `zones.z5` or `z5`, `levels.9`, `near.danger`, `near.z5` …
     pub name: String,
     /// `<=`, `>=`, `==`, `<` or `>`.
     pub operator: &'static str,
-    /// The bar.
-    pub bar: f64,
+    /// The value that it is compared with.
+    pub bound: f64,
 }
 
-/// What became of a condition on one map.
+/// The result of a condition on one map.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
     /// The condition.
     pub require: String,
     /// The map.
     pub path: String,
-    /// The map's value; none where there is nothing to measure.
+    /// The map's value; `None` where there is nothing to measure.
     pub value: Option<f64>,
-    /// Whether it holds; what has no value does not.
+    /// Whether it holds; without a value it does not.
     pub held: bool,
 }
 
@@ -39,17 +39,20 @@ impl FromStr for Requirement {
         let operators = ["<=", ">=", "==", "<", ">"];
         let at = text.find(['<', '>', '=']).ok_or_else(wrong)?;
         let operator = operators.into_iter().find(|o| text[at..].starts_with(o)).ok_or_else(wrong)?;
-        let (name, bar) = (text[..at].trim(), text[at + operator.len()..].trim());
-        let bar = bar.parse::<f64>().ok().filter(|b| b.is_finite()).ok_or_else(wrong)?;
+        let (name, bound) = (text[..at].trim(), text[at + operator.len()..].trim());
+        let bound = bound.parse::<f64>().ok().filter(|b| b.is_finite()).ok_or_else(wrong)?;
         if name.is_empty() {
             return Err(wrong());
         }
-        Ok(Requirement { name: name.into(), operator, bar })
+        Ok(Requirement { name: name.into(), operator, bound })
     }
 }
 
 impl Requirement {
-    /// Tries the condition on a score. An unknown name is an error.
+    /// Checks the condition on a score.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for an unknown name.
     pub fn check(&self, score: &Score) -> Result<Check> {
         let names = names(score);
         let found = names.iter().find(|(name, _)| *name == self.name);
@@ -68,11 +71,11 @@ impl Requirement {
             )));
         };
         let holds = |v: f64| match self.operator {
-            "<=" => v <= self.bar,
-            ">=" => v >= self.bar,
-            "<" => v < self.bar,
-            ">" => v > self.bar,
-            _ => v == self.bar,
+            "<=" => v <= self.bound,
+            ">=" => v >= self.bound,
+            "<" => v < self.bound,
+            ">" => v > self.bound,
+            _ => v == self.bound,
         };
         Ok(Check { require: self.to_string(), path: score.path.clone(), value, held: value.is_some_and(holds) })
     }
@@ -80,7 +83,7 @@ impl Requirement {
 
 impl std::fmt::Display for Requirement {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}{}{}", self.name, self.operator, self.bar)
+        write!(f, "{}{}{}", self.name, self.operator, self.bound)
     }
 }
 
@@ -88,23 +91,26 @@ impl std::fmt::Display for Requirement {
 fn names(score: &Score) -> Vec<(String, Option<f64>)> {
     let mut all = Vec::new();
     if let Ok(value) = serde_json::to_value(score) {
-        walk("", &value, &mut all);
+        collect_numbers("", &value, &mut all);
     }
     all
 }
 
-fn walk(name: &str, value: &Value, all: &mut Vec<(String, Option<f64>)>) {
+/// Collects the numbers of a JSON value with their dotted names.
+fn collect_numbers(name: &str, value: &Value, all: &mut Vec<(String, Option<f64>)>) {
     let inner = |key: &str| if name.is_empty() { key.to_string() } else { format!("{name}.{key}") };
     match value {
         Value::Object(object) => {
             for (key, value) in object {
                 if key == "zones" {
-                    walk(name, value, all); // `z5` for `zones.z5`, `near.z5` for `near.zones.z5`
+                    collect_numbers(name, value, all); // also `z5` for `zones.z5`, `near.z5` for `near.zones.z5`
                 }
-                walk(&inner(key), value, all);
+                collect_numbers(&inner(key), value, all);
             }
         }
-        Value::Array(list) => list.iter().enumerate().for_each(|(k, v)| walk(&inner(&k.to_string()), v, all)),
+        Value::Array(list) => {
+            list.iter().enumerate().for_each(|(k, v)| collect_numbers(&inner(&k.to_string()), v, all))
+        }
         Value::Number(number) => all.push((name.into(), number.as_f64())),
         Value::Null if name != "near" => all.push((name.into(), None)),
         _ => {}

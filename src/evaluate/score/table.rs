@@ -1,8 +1,8 @@
-//! Scores side by side, for people: the best of each row is marked.
+//! Scores side by side as a text table, with the best of each row marked.
 
 use super::{Numbers, Score};
 
-/// Which end of a row is the better one.
+/// Which values of a row are better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Better {
     Higher,
@@ -10,14 +10,14 @@ pub(super) enum Better {
     Neither,
 }
 
-/// One row: a name, the maps' values as text, and which of them are best.
+/// A row: its name, the maps' values as text, and which of them are best.
 pub(super) struct Row {
     pub name: String,
     pub values: Vec<String>,
     pub best: Vec<bool>,
 }
 
-/// A table of scores, a map a column, `*` at the best of each row.
+/// A table with a column for each map and `*` at the best of each row.
 pub fn table(scores: &[Score]) -> String {
     let mut lines = vec![(String::new(), labels(scores))];
     for row in rows(scores) {
@@ -39,7 +39,7 @@ pub fn table(scores: &[Score]) -> String {
     lines.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// What to call each map: its folder's name, or its whole path where two have the same.
+/// The maps' labels: the folder's name, or the whole path where two maps have the same name.
 pub(super) fn labels(scores: &[Score]) -> Vec<String> {
     let short = |path: &str| {
         let path = path.trim_end_matches(['/', '\\']);
@@ -51,8 +51,8 @@ pub(super) fn labels(scores: &[Score]) -> Vec<String> {
     names.iter().zip(scores).map(|(name, s)| if alone(name) { name.clone() } else { s.path.clone() }).collect()
 }
 
-/// A number of the table: its name, which end is better, and how to get and print it.
-type Column = (&'static str, Better, fn(&Numbers) -> Option<f64>, fn(f64) -> String);
+/// A number of the table: its name, which values are better, how to get and how to print it.
+type RowSpec = (&'static str, Better, fn(&Numbers) -> Option<f64>, fn(f64) -> String);
 
 fn count(v: f64) -> String {
     format!("{v:.0}")
@@ -70,7 +70,7 @@ fn of_cells(part: u64, n: &Numbers) -> Option<f64> {
     (n.cells > 0).then(|| part as f64 / n.cells as f64)
 }
 
-const COLUMNS: &[Column] = {
+const ROWS: &[RowSpec] = {
     use Better::{Higher, Lower, Neither};
     &[
         ("cells compared", Neither, |n| Some(n.cells as f64), count),
@@ -102,22 +102,22 @@ const COLUMNS: &[Column] = {
     ]
 };
 
-/// What is repeated for the box and half a metre around it.
+/// The rows that are repeated for the world's box and half a metre around it.
 const NEAR: &[&str] = &["cells compared", "accuracy", "Z1 accurate", "Z2 safe", "Z5 danger", "Z5 cells"];
 
 /// Every row.
 pub(super) fn rows(scores: &[Score]) -> Vec<Row> {
     let all: Vec<Option<&Numbers>> = scores.iter().map(|s| Some(&s.numbers)).collect();
     let near: Vec<Option<&Numbers>> = scores.iter().map(|s| s.near.as_ref()).collect();
-    let mut rows: Vec<Row> = COLUMNS.iter().map(|c| row(c.0.into(), c, &all)).collect();
+    let mut rows: Vec<Row> = ROWS.iter().map(|c| row(c.0.into(), c, &all)).collect();
     if near.iter().any(Option::is_some) {
-        let again = COLUMNS.iter().filter(|c| NEAR.contains(&c.0));
+        let again = ROWS.iter().filter(|c| NEAR.contains(&c.0));
         rows.extend(again.map(|c| row(format!("near: {}", c.0), c, &near)));
     }
     rows
 }
 
-fn row(name: String, &(_, better, get, print): &Column, numbers: &[Option<&Numbers>]) -> Row {
+fn row(name: String, &(_, better, get, print): &RowSpec, numbers: &[Option<&Numbers>]) -> Row {
     let values: Vec<Option<f64>> = numbers.iter().map(|n| n.and_then(get)).collect();
     let text: Vec<String> = values.iter().map(|v| v.map_or("-".into(), print)).collect();
     let found = values.iter().flatten().copied();
@@ -126,7 +126,7 @@ fn row(name: String, &(_, better, get, print): &Column, numbers: &[Option<&Numbe
         Better::Lower => found.reduce(f64::min),
         Better::Neither => None,
     };
-    // Equal as printed is equal; a row that is equal throughout has no best.
+    // Values that print alike are equal. A row of equal values has no best.
     let best = best.filter(|_| numbers.len() > 1).map(print);
     let is_best: Vec<bool> = text.iter().map(|t| Some(t) == best.as_ref()).collect();
     let all = is_best.iter().all(|b| *b);

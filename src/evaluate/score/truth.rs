@@ -1,4 +1,4 @@
-//! What a map is scored against: another map, or a world whose true map is drawn on the scored map's own cells.
+//! The truth that a map is scored against: another map, or a world whose true map is drawn on the scored map's cells.
 
 use super::levels::class_of;
 use crate::grid::{GridSpec, Map};
@@ -9,17 +9,17 @@ use std::fmt;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-/// Bytes a compared cell takes: its classes, its probability, its level, and both once more while they are counted.
-const CELL: u64 = 32;
+/// Bytes of a compared cell: its classes, probability and level, twice while they are counted.
+const CELL_BYTES: u64 = 32;
 
 /// Draws a world's true classes on a grid.
 type Draw = Box<dyn Fn(&GridSpec) -> Result<Vec<i8>> + Send + Sync>;
 
-/// A truth, before it is laid on a grid.
+/// A truth, not yet on a grid.
 pub enum Truth {
     /// A map: the cells compared are those that the scored map touched and this one knows.
     Map(Map),
-    /// A world: all cells of its bounding box, wider by `r_max`, are compared.
+    /// A world: all cells of its bounding box and `r_max` around it are compared.
     World {
         /// Its bounding box x0, y0, x1, y1, metres.
         bounds: [f64; 4],
@@ -39,14 +39,14 @@ impl fmt::Debug for Truth {
     }
 }
 
-/// True classes on cells that fall on the scored map's.
+/// True classes on cells that coincide with the scored map's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueCells {
-    /// Where the cells are.
+    /// The grid of the cells.
     pub grid: GridSpec,
     /// Class of each: 1 occupied, 0 unknown, −1 empty.
     pub class: Vec<i8>,
-    /// Whether all of these cells are compared, or only those that both maps know something of.
+    /// Whether all of these cells are compared, or only those that the scored map touched and the truth knows.
     pub all: bool,
     /// The world's box and half a metre around it: x0, y0, x1, y1, metres.
     pub near: Option<[f64; 4]>,
@@ -54,8 +54,8 @@ pub struct TrueCells {
 
 impl Truth {
     /// Opens a truth: a built-in world by its name, a world's TOML file, a map's folder, or a ROS map by its YAML file.
-    /// `r_max` is [`Truth::of_world`]'s; what a user should know of it goes to `note`, if anything.
-    pub fn open_noting(path: &Path, r_max: Option<f64>, note: &mut dyn FnMut(String)) -> Result<Truth> {
+    /// `r_max` is [`Truth::of_world`]'s. Notes for the user go to `note`.
+    pub fn open_with_notes(path: &Path, r_max: Option<f64>, note: &mut dyn FnMut(String)) -> Result<Truth> {
         let is_file = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) && !path.is_dir();
         if let Some(what) = Shipped::beside_file(path) {
             note(what);
@@ -65,22 +65,22 @@ impl Truth {
             (false, _) if !path.exists() && path.extension().is_none() => {
                 Err(Error::input(path, format!("there is no such map, nor such a world; {}", meant(path))))
             }
-            (false, None) => Ok(Truth::Map(open_map_noting(path, note)?)),
+            (false, None) => Ok(Truth::Map(open_map_with_notes(path, note)?)),
             (false, Some(_)) => Err(Error::Usage(format!("--r-max is for worlds: {} is a map", path.display()))),
         }
     }
 
-    /// The same, without what there is to note.
+    /// The same as [`Truth::open_with_notes`], without the notes.
     pub fn open(path: &Path, r_max: Option<f64>) -> Result<Truth> {
-        Truth::open_noting(path, r_max, &mut |_| {})
+        Truth::open_with_notes(path, r_max, &mut |_| {})
     }
 
     /// A world's truth: what an ideal sensor of range `r_max`, metres, would know from its path; by default the farthest
     /// range of its sonars, or 5 m where it has none.
     pub fn of_world(world: World, r_max: Option<f64>) -> Result<Truth> {
-        let r_max = reach(&world, r_max)?;
+        let r_max = sensor_range(&world, r_max)?;
         let bounds = world.bounds();
-        // Maps scored side by side mostly share their cells: the last drawing is kept.
+        // Maps scored side by side mostly have the same grid: the last drawing is cached.
         let last: Mutex<Option<(GridSpec, Vec<i8>)>> = Mutex::new(None);
         let draw = Box::new(move |grid: &GridSpec| {
             let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
@@ -94,15 +94,15 @@ impl Truth {
         Ok(Truth::World { bounds, r_max, draw })
     }
 
-    /// The truth of that name for people: what it is.
-    pub fn about(&self, name: &str) -> String {
+    /// A description of the truth with its name.
+    pub fn describe(&self, name: &str) -> String {
         match self {
             Truth::Map(map) => format!("{name} (a {} map)", map.method),
             Truth::World { r_max, .. } => format!("{name} (a world, seen up to {r_max} m)"),
         }
     }
 
-    /// How far is seen in it, metres, where it is a world.
+    /// The sensors' range, metres, where it is a world.
     pub fn r_max(&self) -> Option<f64> {
         match self {
             Truth::Map(_) => None,
@@ -110,7 +110,7 @@ impl Truth {
         }
     }
 
-    /// What kind of truth it is, in a word.
+    /// `map` or `world`.
     pub fn kind(&self) -> &'static str {
         match self {
             Truth::Map(_) => "map",
@@ -118,7 +118,10 @@ impl Truth {
         }
     }
 
-    /// The truth on cells that fall on those of `scored`.
+    /// The true classes on cells that coincide with those of `scored`.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where a map has no classes or a world is too far away; [`Error::Resources`] where memory does not suffice.
     pub fn on(&self, scored: &GridSpec) -> Result<TrueCells> {
         match self {
             Truth::Map(map) => {
@@ -127,9 +130,9 @@ impl Truth {
                 Ok(TrueCells { grid: map.grid, class, all: false, near: None })
             }
             Truth::World { bounds, r_max, draw } => {
-                let grid = around(scored, wider(*bounds, *r_max))?;
+                let grid = covering_grid(scored, extended_box(*bounds, *r_max))?;
                 grid.check_memory(
-                    grid.cells() as u64 * CELL,
+                    grid.cells() as u64 * CELL_BYTES,
                     None,
                     "map at a coarser --resolution, or a smaller world",
                 )?;
@@ -137,15 +140,14 @@ impl Truth {
                 if class.len() != grid.cells() {
                     return Err(Error::Usage(format!("{} true classes for {} cells", class.len(), grid.cells())));
                 }
-                Ok(TrueCells { grid, class, all: true, near: Some(wider(*bounds, 0.5)) })
+                Ok(TrueCells { grid, class, all: true, near: Some(extended_box(*bounds, 0.5)) })
             }
         }
     }
 }
 
-/// Opens a map: a folder that echogrid wrote, or a ROS map by its YAML file. What a ROS map says that isn't followed goes
-/// to `note`.
-pub fn open_map_noting(path: &Path, note: &mut dyn FnMut(String)) -> Result<Map> {
+/// Opens a map: a folder that echogrid wrote, or a ROS map by its YAML file. Notes on parts of a ROS map that are ignored go to `note`.
+pub fn open_map_with_notes(path: &Path, note: &mut dyn FnMut(String)) -> Result<Map> {
     let kind = path.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
     match kind.as_deref() {
         _ if path.is_dir() => Ok(read_map(path)?.map),
@@ -159,14 +161,14 @@ pub fn open_map_noting(path: &Path, note: &mut dyn FnMut(String)) -> Result<Map>
     }
 }
 
-/// The same, without what there is to note.
+/// The same as [`open_map_with_notes`], without the notes.
 pub fn open_map(path: &Path) -> Result<Map> {
-    open_map_noting(path, &mut |_| {})
+    open_map_with_notes(path, &mut |_| {})
 }
 
-/// How far is seen in a world, metres: as given, else the farthest range of its sonars, or where it has none, of its
-/// lasers, but no farther than the world is large.
-pub fn reach(world: &World, given: Option<f64>) -> Result<f64> {
+/// The range of a world's sensors, metres: as given, else the farthest range of its sonars, or of its lasers where it has no sonar, but
+/// not beyond the world's diagonal.
+pub fn sensor_range(world: &World, given: Option<f64>) -> Result<f64> {
     let [x0, y0, x1, y1] = world.bounds();
     let sonar = world.rig.sonar_reach();
     let laser = world.rig.transducers.iter().map(|t| t.sensor.r_max).fold(0.0, f64::max);
@@ -177,15 +179,15 @@ pub fn reach(world: &World, given: Option<f64>) -> Result<f64> {
     }
 }
 
-/// A box x0, y0, x1, y1 and `by` metres around it.
-pub fn wider([x0, y0, x1, y1]: [f64; 4], by: f64) -> [f64; 4] {
+/// A box x0, y0, x1, y1 extended by so many metres on every side.
+pub fn extended_box([x0, y0, x1, y1]: [f64; 4], by: f64) -> [f64; 4] {
     [x0 - by, y0 - by, x1 + by, y1 + by]
 }
 
-/// The cells of a box on another grid's anchor, outward to whole cells.
-fn around(on: &GridSpec, [x0, y0, x1, y1]: [f64; 4]) -> Result<GridSpec> {
+/// The grid that covers a box with whole cells, on another grid's anchor.
+fn covering_grid(on: &GridSpec, [x0, y0, x1, y1]: [f64; 4]) -> Result<GridSpec> {
     let (ax, ay) = on.anchor;
-    // A box that ends on a cell's edge ends there, whatever rounding says.
+    // A box that ends on a cell's edge ends there in spite of rounding.
     let cells = |low: f64, high: f64, anchor: f64| {
         [((low - anchor) / on.resolution + 1e-6).floor(), ((high - anchor) / on.resolution - 1e-6).ceil()]
     };

@@ -7,7 +7,7 @@ use crate::feature::Update;
 use crate::log::reading::Reading;
 use crate::method::Unit;
 use crate::method::settings::{Csm, Settings};
-use crate::oracle::{self, beams_of, cells_of};
+use crate::oracle::{self, contributing_beams, updated_cells};
 use crate::pipeline::session::Session;
 use crate::{Error, Result};
 
@@ -68,7 +68,7 @@ fn last_readings(
         if (x - pose.x).hypot(y - pose.y) > reach {
             continue;
         }
-        let cells = cells_of(grid, sensor, reading, &settings, wedges.map(|w| w[k]))?;
+        let cells = updated_cells(grid, sensor, reading, &settings, wedges.map(|w| w[k]))?;
         if cells.iter().any(|c| (c.column, c.row) == (column, row)) {
             last.push(ReadingRef { line: reading.record.line, sensor: sensor.id.clone(), range: reading.range });
             if last.len() == LAST {
@@ -80,7 +80,7 @@ fn last_readings(
 }
 
 fn last_beams(session: &Session, scans: &[Scan], csm: &Csm, [column, row]: [usize; 2]) -> Vec<ReadingRef> {
-    let beams = beams_of(&session.grid, scans, csm, (column, row));
+    let beams = contributing_beams(&session.grid, scans, csm, (column, row));
     let reading = |(scan, beam): &(usize, usize)| {
         let ray = &scans[*scan].rays[*beam];
         let (sensor, line) = ray.source;
@@ -94,7 +94,7 @@ fn last_updates(session: &Session, updates: &[Update], [column, row]: [usize; 2]
     let mut last = Vec::new();
     for update in updates.iter().rev() {
         let Reading { record, range, .. } = update.reading;
-        if oracle::reaches(&session.grid, session.sensors(), update, (column, row))? {
+        if oracle::update_touches(&session.grid, session.sensors(), update, (column, row))? {
             let sensor = session.sensors()[record.sensor as usize].id.clone();
             last.push(ReadingRef { line: record.line, sensor, range });
             if last.len() == LAST {

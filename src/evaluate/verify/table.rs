@@ -1,7 +1,7 @@
 //! A verification as text.
 
 use super::report::{BackendCheck, CellDifference, LayerCheck, Verification};
-use crate::support::wrapped::wrapped;
+use crate::support::wrap::wrap;
 use std::fmt;
 
 impl fmt::Display for CellDifference {
@@ -53,10 +53,10 @@ impl fmt::Display for Verification {
             writeln!(f, "cpu and gpu: {}", if same { "the same bytes in every layer" } else { "not the same bytes" })?;
         }
         for why in &self.absent {
-            writeln!(f, "{}", wrapped(why, 2))?;
+            writeln!(f, "{}", wrap(why, 2))?;
         }
         for why in &self.skipped {
-            writeln!(f, "{}", wrapped(&format!("SKIPPED {why}"), 2))?;
+            writeln!(f, "{}", wrap(&format!("SKIPPED {why}"), 2))?;
         }
         write!(f, "{}", self.verdict())
     }
@@ -64,10 +64,10 @@ impl fmt::Display for Verification {
 
 fn write_backend(f: &mut fmt::Formatter<'_>, b: &BackendCheck) -> fmt::Result {
     let ran = format!("{:<7} {} ({:.2} s)", b.backend, b.adapter, b.seconds);
-    writeln!(f, "{}", wrapped(&ran, 8))?;
+    writeln!(f, "{}", wrap(&ran, 8))?;
     writeln!(f, "  cells that other readings reach  {}", b.membership)?;
     if let Some(cell) = &b.membership_cell {
-        writeln!(f, "{}", wrapped(&format!("    the first: {cell}"), 6))?;
+        writeln!(f, "{}", wrap(&format!("    the first: {cell}"), 6))?;
     }
     if b.counts > 0 {
         writeln!(f, "  readings counted otherwise  {}", b.counts)?;
@@ -86,7 +86,7 @@ fn write_layer(f: &mut fmt::Formatter<'_>, l: &LayerCheck) -> fmt::Result {
     let beyond = if l.beyond > 0 { format!("  {} CELLS BEYOND THEIR BOUND", l.beyond) } else { String::new() };
     writeln!(f, "  {:<10} largest difference {:.3e}, bound there {:.3e}{beyond}", l.layer, l.largest, l.bound)?;
     let mut write_cell = |what: &str, cell: &Option<CellDifference>| match cell {
-        Some(cell) => writeln!(f, "{}", wrapped(&format!("    {what}: {cell}"), 6)),
+        Some(cell) => writeln!(f, "{}", wrap(&format!("    {what}: {cell}"), 6)),
         None => Ok(()),
     };
     if l.largest_cell.is_some() && l.largest_cell == l.worst {

@@ -115,7 +115,7 @@ impl Device {
                 "{} failed with {} of cells resident: {what}; give smaller --bounds, a coarser --resolution, a smaller \
                  --batch, or --backend cpu",
                 self.info,
-                crate::support::memory::show(resident)
+                crate::support::memory::format_size(resident)
             ))),
         }
     }

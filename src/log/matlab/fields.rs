@@ -4,7 +4,7 @@ use super::array::Array;
 use super::element::ReadResult;
 use crate::log::table::columns::{ColumnRole, scale};
 use crate::log::values::quote;
-use crate::support::similar::similar;
+use crate::support::suggest::similar;
 
 /// The keys of `--fields`, and the units of their numbers.
 pub(super) const KEYS: [(&str, Option<ColumnRole>); 14] = [

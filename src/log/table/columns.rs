@@ -1,7 +1,7 @@
 //! The columns of a table, from the text of `--columns`: names with units, separated by commas.
 
 use crate::log::values::quote;
-use crate::support::similar::similar;
+use crate::support::suggest::similar;
 use std::fmt;
 
 /// The content of a column.

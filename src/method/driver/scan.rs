@@ -51,7 +51,7 @@ fn fuse<S: Simd>(simd: S, csm: &Csm, job: &ScanJob, planes: &mut [Plane]) {
             }
             if touched {
                 let row = Taken { line: row, y: ys[from[1] + row], squares: &squares, taken: &taken };
-                beams_of((csm, job), (entry, scan), xs, &row, planes);
+                contributing_beams((csm, job), (entry, scan), xs, &row, planes);
             }
         }
     }
@@ -128,7 +128,7 @@ struct Taken<'a> {
 
 /// Updates the cells of a row that take a scan, each with the scan's beam that is nearest to it.
 #[inline(always)]
-fn beams_of(
+fn contributing_beams(
     (csm, job): (&Csm, &ScanJob),
     (entry, scan): (&Entry, &Scan),
     xs: &[i32],

@@ -2,8 +2,8 @@
 
 use super::job::{Job, Pass, ReadingJob, WrongInput};
 use super::kernel::{Kernel, Plane};
-use crate::geometry::bits::Bits;
 use super::reach::{LOOKAHEAD, Lookahead, Place, Reach};
+use crate::geometry::bits::Bits;
 use crate::geometry::layout::*;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, mask32x16, u32x16};

@@ -103,7 +103,7 @@ impl Csm {
     /// Sets one of its keys.
     pub(super) fn set(&mut self, key: &ParameterDoc, value: &str) -> Result<()> {
         let name = key.name;
-        let wrong = |what: &str| Error::Usage(format!("--set {name}={value}: {name} takes {}{what}", key.values));
+        let wrong = |what: &str| Error::Usage(format!("`{name}={value}`: {name} takes {}{what}", key.values));
         let within = |parsed: std::result::Result<f64, String>, low: f64, high: f64| {
             parsed.ok().filter(|v| (low..=high).contains(v)).ok_or_else(|| wrong(""))
         };

@@ -51,7 +51,7 @@ impl Features {
     /// Sets one of its keys.
     pub(super) fn set(&mut self, key: &ParameterDoc, value: &str) -> Result<()> {
         let name = key.name;
-        let wrong = || Error::Usage(format!("--set {name}={value}: {name} takes {}", key.values));
+        let wrong = || Error::Usage(format!("`{name}={value}`: {name} takes {}", key.values));
         let number =
             |low: f64, high: f64| value.parse::<f64>().ok().filter(|v| (low..=high).contains(v)).ok_or_else(wrong);
         let choice = |options: [&str; 2]| options.iter().position(|o| *o == value).map(|k| k == 1).ok_or_else(wrong);

@@ -1,4 +1,4 @@
-//! Poses and beams in integers, and which beam is the nearest.
+//! Scans in integers, and the beam nearest in bearing.
 
 use crate::binning::scan::Scan;
 use crate::method::settings::Csm;
@@ -16,11 +16,12 @@ pub(super) fn dot(a: Vector, b: Vector) -> i128 {
     a[0] * b[0] + a[1] * b[1]
 }
 
+/// The nearest integer; halves up.
 pub(super) fn round(v: f64) -> i128 {
     (v + 0.5).floor() as i128
 }
 
-/// A beam: its direction, and its hit if it has one.
+/// A beam: its directions in 1/2²⁵, and its hit from the pose with the range, µm, if it has one.
 pub(super) struct Beam {
     pub unit: Vector,
     pub right: Vector,
@@ -29,13 +30,14 @@ pub(super) struct Beam {
     pub label: usize,
 }
 
-/// A pose and its beams, in the log's order.
-pub(super) struct Place {
+/// A scan in integers: its pose in µm, and its beams in the log's order.
+pub(super) struct SnappedScan {
     pub pose: Vector,
     pub beams: Vec<Beam>,
 }
 
-pub(super) fn place(scan: &Scan, csm: &Csm) -> Place {
+/// Snaps a scan: the pose is the sensor's where all beams have the same one, else the robot's.
+pub(super) fn snap_scan(scan: &Scan, csm: &Csm) -> SnappedScan {
     let first = scan.rays.first().map(|r| (r.sensor.x, r.sensor.y));
     let one = scan.rays.iter().all(|r| Some((r.sensor.x, r.sensor.y)) == first);
     let (x, y) = first.filter(|_| one).unwrap_or((scan.robot.x, scan.robot.y));
@@ -59,25 +61,25 @@ pub(super) fn place(scan: &Scan, csm: &Csm) -> Place {
         let hit = ends.filter(|(_, range)| *range < round(csm.z_max * 1e6));
         Beam { unit, right: edge(-csm.w_beam / 2.0), left: edge(csm.w_beam / 2.0), hit, label: usize::from(ray.label) }
     });
-    Place { pose, beams: beams.collect() }
+    SnappedScan { pose, beams: beams.collect() }
 }
 
 /// Whether `a` turns less far than `b` to reach `v`, counter-clockwise.
-pub(super) fn sooner(a: Vector, b: Vector, v: Vector) -> bool {
+pub(super) fn turns_less(a: Vector, b: Vector, v: Vector) -> bool {
     // Less than half a turn, or more; then by the side on which one lies of the other.
     let half = |u: Vector| cross(u, v) < 0 || (cross(u, v) == 0 && dot(u, v) < 0);
     (half(a), cross(a, b)) < (half(b), 0)
 }
 
-/// The beam whose direction is nearest to `v`'s, the lower one of two that are as near.
-pub(super) fn nearest(beams: &[Beam], v: Vector) -> usize {
-    // The beam to the right of v, and the one to its left: those with the least turns to v and from it.
+/// The index of the beam whose direction is nearest to that of `v`; of two equally near, the lower index.
+pub(super) fn nearest_beam(beams: &[Beam], v: Vector) -> usize {
+    // The next beam clockwise of v, and the next counter-clockwise.
     let turn = |better: &dyn Fn(Vector, Vector) -> bool| {
         (1..beams.len()).fold(0, |best, k| if better(beams[k].unit, beams[best].unit) { k } else { best })
     };
-    let right = turn(&|a, b| sooner(a, b, v));
+    let right = turn(&|a, b| turns_less(a, b, v));
     let mirror = |u: Vector| [u[0], -u[1]];
-    let left = turn(&|a, b| sooner(mirror(a), mirror(b), mirror(v)));
+    let left = turn(&|a, b| turns_less(mirror(a), mirror(b), mirror(v)));
     let (from, to) = (beams[right].unit, beams[left].unit);
     if from == to || cross(from, v) == 0 && dot(from, v) > 0 {
         return right.min(if from == to { left } else { right });

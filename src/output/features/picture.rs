@@ -115,8 +115,7 @@ fn legend(known: &FeatureMap, frame: &Frame, top: f64) -> String {
     let features = &known.features;
     let mut text = String::from("<g fill=\"none\" stroke-width=\"1.5\">\n");
     let symbol = |k: usize| Point::new(GAP + 10.0, top + k as f64 * LINE + 5.0);
-    let Point { coords: first } = symbol(0);
-    let (x, y) = (first.x, first.y);
+    let (x, y) = (symbol(0).x, symbol(0).y);
     text += &format!("<path d=\"M{:.2} {y:.2}h20v-{TICK}\" stroke=\"{WALL}\" stroke-width=\"2.5\"/>", x - 10.0);
     text += &circle(symbol(1)).replace(" class=\"corner\"", "");
     text += &cross(symbol(2)).replace(" class=\"point\"", "");

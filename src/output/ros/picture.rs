@@ -80,7 +80,8 @@ impl Picture {
             return Err(unreadable("it is no file".into()));
         }
         if memory::available().is_some_and(|free| file.len() > free) {
-            let what = format!("{} is {}, more than this machine has free", path.display(), memory::show(file.len()));
+            let what =
+                format!("{} is {}, more than this machine has free", path.display(), memory::format_size(file.len()));
             return Err(Error::Resources(what));
         }
         let bytes = std::fs::read(path).map_err(|e| unreadable(e.to_string()))?;

@@ -6,7 +6,7 @@
 use super::canvas::{Canvas, Colour};
 use super::outline::{Outline, Point};
 use crate::grid::{GridSpec, Map};
-use crate::oracle::{Region, Working, WorkingCell};
+use crate::oracle::{CellTrace, ReadingTrace, Region};
 use serde::Serialize;
 
 /// The longest side of a picture, about.
@@ -44,7 +44,7 @@ pub(super) enum Panel {
 }
 
 impl Panel {
-    fn value(self, cell: &WorkingCell) -> f64 {
+    fn value(self, cell: &CellTrace) -> f64 {
         match self {
             Panel::Own => cell.own,
             Panel::Cancelled => cell.cancelled,
@@ -77,7 +77,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// The cone's neighbourhood, as large as it fits.
-    pub fn of(outline: &Outline, working: &Working, panels: &[Panel], weigh: &dyn Fn(f64) -> f64) -> Layout {
+    pub fn of(outline: &Outline, trace: &ReadingTrace, panels: &[Panel], weigh: &dyn Fn(f64) -> f64) -> Layout {
         let mut low = [i64::MAX; 2];
         let mut high = [i64::MIN; 2];
         let mut take = |x: f64, y: f64| {
@@ -86,7 +86,7 @@ impl Layout {
             }
         };
         outline.points().for_each(|(x, y)| take(x, y));
-        working.cells.iter().for_each(|c| take(c.update.column as f64, c.update.row as f64));
+        trace.cells.iter().for_each(|c| take(c.update.column as f64, c.update.row as f64));
         let first = low.map(|v| v - MARGIN);
         let cells = [0, 1].map(|k| high[k] - low[k] + 1 + 2 * MARGIN);
         // Panels lie along the picture's shorter side.
@@ -97,7 +97,7 @@ impl Layout {
         let scale = if fit < 1.0 { fit } else { fit.floor().min(LARGEST_CELL) };
         let step = pixel(cells[across], scale) + GAP;
         let strongest = |panel: Panel, region| {
-            let of_region = working.cells.iter().filter(|c| c.update.region == region);
+            let of_region = trace.cells.iter().filter(|c| c.update.region == region);
             of_region.map(|c| weigh(panel.value(c))).fold(0.0, f64::max)
         };
         let place = |(k, panel): (i64, &Panel)| {
@@ -120,7 +120,7 @@ fn pixel(cells: i64, scale: f64) -> i64 {
 pub(super) fn draw(
     grid: &GridSpec,
     outline: &Outline,
-    working: &Working,
+    trace: &ReadingTrace,
     layout: &Layout,
     weigh: &dyn Fn(f64) -> f64,
     map: Option<&Map>,
@@ -131,7 +131,7 @@ pub(super) fn draw(
     for place in &layout.panels {
         let mut view = View { canvas: &mut canvas, layout, place, size };
         view.background(grid, map);
-        for cell in &working.cells {
+        for cell in &trace.cells {
             let (shades, full) = match cell.update.region {
                 Region::Interior => (BLUE, place.full[0]),
                 Region::Arc => (RED, place.full[1]),

@@ -3,7 +3,7 @@
 
 use super::{CHUNK, SHARD, Tried};
 use crate::grid::Data;
-use crate::support::positioned;
+use crate::support::positional_io;
 use crate::{Error, Result};
 use serde_json::Value;
 use std::collections::HashMap;
@@ -115,14 +115,14 @@ impl Pieces {
             return Err("it is cut off".into());
         }
         let mut bytes = vec![0; length as usize];
-        positioned::read_exact(&file, &mut bytes, offset)?;
+        positional_io::read_exact(&file, &mut bytes, offset)?;
         self.decode(bytes, [column, row]).map(Some)
     }
 
     fn index(&self, file: &File) -> Tried<Vec<u64>> {
         let start = file.metadata()?.len().checked_sub(INDEX as u64).ok_or("it is cut off")?;
         let mut bytes = vec![0; INDEX];
-        positioned::read_exact(file, &mut bytes, start)?;
+        positional_io::read_exact(file, &mut bytes, start)?;
         let shape = [ACROSS, ACROSS, 2].map(|n| n as u64);
         decode::<u64>(&self.index_codecs, bytes, &shape, &data_type::uint64(), &ABSENT.into())
     }

@@ -3,7 +3,7 @@
 
 use crate::geometry::layout::Cone;
 use crate::grid::Place;
-use crate::support::positioned;
+use crate::support::positional_io;
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -60,7 +60,7 @@ impl Bins {
         };
         for bucket in self.buckets.values_mut().filter(|b| !b.held.is_empty()) {
             let bytes: &[u8] = bytemuck::cast_slice(&bucket.held);
-            positioned::write_all(&file, bytes, self.end).map_err(full)?;
+            positional_io::write_all(&file, bytes, self.end).map_err(full)?;
             bucket.runs.push((self.end, bucket.held.len()));
             self.end += bytes.len() as u64;
             bucket.held = Vec::new();
@@ -93,7 +93,7 @@ impl Bins {
                 cones.resize(start + take, bytemuck::Zeroable::zeroed());
                 let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut cones[start..]);
                 let from = at + (skip * size_of::<Cone>()) as u64;
-                positioned::read_exact(file, bytes, from)
+                positional_io::read_exact(file, bytes, from)
                     .map_err(|e| Error::Resources(format!("spilled readings can't be read back: {e}")))?;
             }
             before += length;

@@ -3,7 +3,7 @@
 use crate::grid::GridSpec;
 use crate::pipeline::memory;
 use crate::pipeline::session::Session;
-use crate::support::memory::{available, show, space};
+use crate::support::memory::{available, format_size, free_space};
 use crate::{Error, Result};
 use std::path::Path;
 
@@ -50,9 +50,9 @@ impl Plan {
     pub fn check_card(&self, session: &Session, cap: Option<u64>) -> Result<()> {
         match cap {
             Some(cap) if self.card > cap => Err(session.explain(Error::Resources(format!(
-                "the cells of a chunk and a batch take {} on the card, but --memory allows {}: give more, or use --backend cpu",
-                show(self.card),
-                show(cap)
+                "the cells of a chunk and a batch take {} on the card, but `memory` allows {}: give more, or use `backend cpu`",
+                format_size(self.card),
+                format_size(cap)
             )))),
             _ => Ok(()),
         }
@@ -63,12 +63,12 @@ impl Plan {
         let GridSpec { width, height, resolution, .. } = session.grid;
         let arrays = 4 * session.method.layers().len() as u64 + 2;
         let needed = self.disk + if npy { arrays * session.grid.cells() as u64 } else { 0 };
-        match space(folder) {
+        match free_space(folder) {
             Some(free) if needed > free => Err(session.explain(Error::Resources(format!(
                 "the files of a map of {width} × {height} cells of {resolution} m take {} and more, but there are {} free: \
-                 give smaller --bounds or a coarser --resolution",
-                show(needed),
-                show(free)
+                 give smaller `bounds` or a coarser `resolution`",
+                format_size(needed),
+                format_size(free)
             )))),
             _ => Ok(()),
         }

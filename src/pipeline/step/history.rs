@@ -30,10 +30,10 @@ pub struct Event {
     pub before: Option<Cell>,
     /// After it.
     pub after: Option<Cell>,
-    /// Its own evidence of the cell ([`oracle::WorkingCell::own`]); of an update P(occupied) that it says; of a scan nothing.
+    /// Its own evidence of the cell ([`oracle::CellTrace::own`]); of an update P(occupied) that it says; of a scan nothing.
     pub own: Option<f64>,
     /// Of a scan the beam that the cell takes, and what each α gained.
-    pub given: Option<oracle::Given>,
+    pub given: Option<oracle::BeamContribution>,
 }
 
 /// A cell's history up to the position.
@@ -54,8 +54,8 @@ impl Stepper {
         let mut events = match self.items() {
             Items::Scans(scans) => {
                 let all = &scans.all[..self.position()];
-                let given = oracle::given(self.grid(), all, &scans.csm, (column, row));
-                let event = |given: oracle::Given| Event {
+                let given = oracle::beam_contributions(self.grid(), all, &scans.csm, (column, row));
+                let event = |given: oracle::BeamContribution| Event {
                     item: given.beam.0,
                     arc: given.counted[1],
                     before: None,
@@ -84,8 +84,9 @@ impl Stepper {
         }
         let Some((reading, wedge)) = self.items().reading(event.item) else { return Ok(None) };
         let settings = self.method().settings();
-        let working = oracle::working_of(self.grid(), self.sensors(), &reading, &settings, wedge, &|_| 0.0)?;
-        let cell = working.cells.iter().find(|c| (c.update.column, c.update.row) == (column, row));
+        let setup = oracle::Setup { grid: self.grid(), sensors: self.sensors(), settings: &settings };
+        let trace = oracle::trace_alone(&setup, &reading, wedge, &|_| 0.0)?;
+        let cell = trace.cells.iter().find(|c| (c.update.column, c.update.row) == (column, row));
         Ok(cell.map(|c| c.own))
     }
 

@@ -5,7 +5,7 @@ use crate::Result;
 use crate::grid::GridSpec;
 use crate::log::reading::Pose;
 use crate::method::settings::Settings;
-use crate::oracle::{Region, WorkingCell, working_of};
+use crate::oracle::{CellTrace, Region, Setup, trace_alone};
 use crate::pipeline::mapper::Item;
 use std::collections::BTreeMap;
 
@@ -20,8 +20,8 @@ pub struct CellStory {
     pub arc: bool,
     /// Distance of the cell's centre from the sensor, metres, and its angle off the axis, radians; of a scan's cells from the robot, 0.
     pub polar: (f64, f64),
-    /// The item's own evidence, cancelled, and normalised ([`WorkingCell`]); of an update P(occupied) that it says, thrice. `None` for a scan, of
-    /// which a cell takes what its beam gives ([`crate::oracle::given`]).
+    /// The item's own evidence, cancelled, and normalised ([`CellTrace`]); of an update P(occupied) that it says, thrice. `None` for a scan, of
+    /// which a cell takes what its beam gives ([`crate::oracle::beam_contributions`]).
     pub evidence: Option<[f64; 3]>,
     /// Before it.
     pub before: Cell,
@@ -81,9 +81,10 @@ fn explain_reading(stepper: &Stepper, (reading, wedge): &Item) -> Result<Explain
         let words = stepper.words(cell % grid.width, cell / grid.width);
         f64::from(Cell::of(stepper.method(), words.as_deref()).values[0])
     };
-    let working = working_of(grid, stepper.sensors(), reading, &settings, *wedge, &emptiness)?;
-    let own: BTreeMap<[usize; 2], &WorkingCell> =
-        working.cells.iter().map(|c| ([c.update.row, c.update.column], c)).collect();
+    let setup = Setup { grid, sensors: stepper.sensors(), settings: &settings };
+    let trace = trace_alone(&setup, reading, *wedge, &emptiness)?;
+    let own: BTreeMap<[usize; 2], &CellTrace> =
+        trace.cells.iter().map(|c| ([c.update.row, c.update.column], c)).collect();
     // In the 1985 order other readings' cells change, too.
     let tell = |story: CellStory| {
         let cell = own.get(&[story.row, story.column])?;
@@ -95,8 +96,8 @@ fn explain_reading(stepper: &Stepper, (reading, wedge): &Item) -> Result<Explain
         })
     };
     let cells = stories(stepper, &reading.record.pose).filter_map(tell).collect();
-    let sum = matches!(settings, Settings::Certainty(_)).then_some(working.sum);
-    Ok(Explained { cells, n: working.arc_cells, sum })
+    let sum = matches!(settings, Settings::Certainty(_)).then_some(trace.sum);
+    Ok(Explained { cells, n: trace.arc_cells, sum })
 }
 
 /// P(occupied) that an update says, from what it made of the cell's log odds.

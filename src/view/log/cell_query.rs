@@ -57,8 +57,8 @@ fn cell_source(lane: &Lane, column: usize, row: usize) -> CellSource {
 fn chosen_beams(lane: &Lane, column: usize, row: usize) -> Option<Vec<ChosenBeam>> {
     let Items::Scans(scans) = lane.stepper.items() else { return None };
     let known = &scans.all[..lane.stepper.position()];
-    let given = oracle::given(lane.stepper.grid(), known, &scans.csm, (column, row));
-    let chosen = |given: &oracle::Given| {
+    let given = oracle::beam_contributions(lane.stepper.grid(), known, &scans.csm, (column, row));
+    let chosen = |given: &oracle::BeamContribution| {
         let names = class_names(lane, given.gained.len());
         Some(ChosenBeam {
             ray: beam(lane, &known[given.beam.0], given.beam.1)?,

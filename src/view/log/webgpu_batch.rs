@@ -31,7 +31,9 @@ fn gpu_step(step: &Step) -> GpuStep {
     match step {
         Step::Pass(pass, mode) => GpuStep { kernel: Some(Kernel::from(*pass).name()), mode: Some(*mode), share: None },
         Step::Sum => GpuStep { kernel: Some(Kernel::Sum.name()), ..GpuStep::default() },
-        Step::NormalizeByCount | Step::ReadBack | Step::AccumulateCounts => GpuStep { share: Some(true), ..GpuStep::default() },
+        Step::NormalizeByCount | Step::ReadBack | Step::AccumulateCounts => {
+            GpuStep { share: Some(true), ..GpuStep::default() }
+        }
     }
 }
 

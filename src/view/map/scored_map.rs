@@ -48,7 +48,7 @@ impl ScoredMap {
         let remedy = "look at it without --truth, or map it with smaller --bounds or a coarser --resolution";
         stored.grid.check_memory(needed, cap, remedy)?;
         let mut notes = Vec::new();
-        let opened = Truth::open_noting(truth, None, &mut |what| notes.push(what))?;
+        let opened = Truth::open_with_notes(truth, None, &mut |what| notes.push(what))?;
         let map = read_map(&stored.path)?.map;
         let score = score(name, &map, &opened, &Options::default()).map_err(|e| match e {
             Error::Usage(what) => Error::Usage(format!("{name}: {what}")),

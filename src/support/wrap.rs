@@ -1,10 +1,10 @@
-//! Lines that a terminal of 100 columns shows whole.
+//! Text broken into lines of 100 columns.
 
-/// Columns of a line at most.
+/// The most columns of a line.
 pub(crate) const COLUMNS: usize = 100;
 
 /// A text in lines, broken between words; those after the first are indented. A word longer than a line stays whole.
-pub(crate) fn wrapped(text: &str, indent: usize) -> String {
+pub(crate) fn wrap(text: &str, indent: usize) -> String {
     let (mut all, mut column) = (String::new(), 0);
     for (k, word) in text.split(' ').enumerate() {
         let length = word.chars().count();
@@ -29,12 +29,12 @@ mod tests {
     #[test]
     fn lines_are_broken_between_words() {
         let text = format!("memory    {}{}", "word ".repeat(40), "x".repeat(120));
-        let lines: Vec<String> = wrapped(&text, 10).lines().map(String::from).collect();
+        let lines: Vec<String> = wrap(&text, 10).lines().map(String::from).collect();
         assert_eq!(lines[0], format!("memory    {}", "word ".repeat(18).trim_end()));
         assert!(lines[1].starts_with("          word word") && lines[1].len() <= COLUMNS);
         assert_eq!(lines.last().unwrap().trim_start(), "x".repeat(120));
-        assert_eq!((wrapped("short", 4), wrapped("  short", 4)), ("short".into(), "  short".into()));
-        let indented = wrapped(&format!("          {}", "word ".repeat(40)), 10);
+        assert_eq!((wrap("short", 4), wrap("  short", 4)), ("short".into(), "  short".into()));
+        let indented = wrap(&format!("          {}", "word ".repeat(40)), 10);
         assert!(indented.lines().all(|l| l.starts_with("          word")), "{indented}");
     }
 }

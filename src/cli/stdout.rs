@@ -1,5 +1,5 @@
-//! Standard output. Its first error is remembered, and asked for when the command ends: what a user redirected to a file on a full
-//! disk must not be lost with exit code 0. A reader that went away, as `head` does, has all it wants and is no error.
+//! Standard output. The first error of writing is kept until the command ends, and changes its exit code: output redirected to a
+//! file on a full disk must not be lost in silence. A closed pipe, as by `head`, is no error.
 
 use crate::{Error, Result};
 use std::fmt::Arguments;
@@ -9,16 +9,16 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 static FAILED: Mutex<Option<io::Error>> = Mutex::new(None);
 
 /// Prints a line.
-pub(super) fn line(text: Arguments) {
-    keep(writeln!(io::stdout(), "{text}"));
+pub(super) fn print_line(text: Arguments) {
+    record(writeln!(io::stdout(), "{text}"));
 }
 
-/// Writes out what is held back, and says whether all of it, from the program's start on, could be written.
+/// Flushes standard output. Fails where anything since the program's start couldn't be written.
 ///
 /// # Errors
 /// [`Error::Resources`] with the first error.
 pub fn finish() -> Result<()> {
-    keep(io::stdout().flush());
+    record(io::stdout().flush());
     match failed().take() {
         None => Ok(()),
         Some(e) => Err(Error::Resources(format!(
@@ -27,8 +27,8 @@ pub fn finish() -> Result<()> {
     }
 }
 
-/// Remembers the first error.
-pub fn keep(written: io::Result<()>) {
+/// Keeps the first error, unless it is a closed pipe.
+pub fn record(written: io::Result<()>) {
     if let Err(e) = written
         && e.kind() != io::ErrorKind::BrokenPipe
     {

@@ -1,7 +1,20 @@
-//! Parameters as people read them: angles in degrees, lengths in metres, few digits.
+//! Printed text: entries of a list, counts, and parameters with angles in degrees, lengths in metres and four significant digits.
 
-/// A parameter's value as text for people, from what the report lists: one number, or one of each sensor.
-pub fn shown(key: &str, value: &str) -> String {
+use super::print_line;
+use crate::support::wrap::wrap;
+
+/// Prints an entry of a list: its subject and its text, in lines of 100 columns.
+pub fn print_item(subject: &str, text: &str) {
+    print_line!("{}", wrap(&format!("{subject:<10}{text}"), 10));
+}
+
+/// A count with its noun; the plural ends in s.
+pub fn count(n: u64, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+/// Formats a parameter's value as the report lists it: one number, or one of each sensor, separated by spaces.
+pub fn format_value(key: &str, value: &str) -> String {
     let numbers: Option<Vec<f64>> = value.split(' ').map(|v| v.parse().ok()).collect();
     let Some(numbers) = numbers else { return value.into() };
     let each: Vec<String> = numbers.iter().map(|v| one(key, *v)).collect();
@@ -17,7 +30,7 @@ fn one(key: &str, value: f64) -> String {
     }
 }
 
-/// A number to four digits that count, without zeros at its end.
+/// A number with four significant digits, without trailing zeros.
 fn rounded(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
@@ -48,7 +61,7 @@ mod tests {
             ("hold", "1000", "1000 m"),
             ("sigma0", "0.00001", "0.00001"),
         ] {
-            assert_eq!(shown(key, value), wanted, "{key} = {value}");
+            assert_eq!(format_value(key, value), wanted, "{key} = {value}");
         }
     }
 }

@@ -1,5 +1,5 @@
-//! The bounds put to the test: stand-ins for kernels, in f32 with a disturbed root and angle, must stay within them cell
-//! by cell, and faults must not.
+//! Test of the bounds: stand-ins for the kernels, in f32 with errors added to roots and angles, stay within them in every cell;
+//! stand-ins with a seeded fault do not.
 
 use super::cone::{Cell, Cone};
 use super::real_log::test1_or_random;
@@ -27,7 +27,7 @@ fn polar(cone: &Cone, cell: &Cell, k: usize) -> (f32, f32) {
 }
 
 /// θ/β as a kernel has it.
-fn turn(cone: &Cone, theta: f32) -> f32 {
+fn angle_fraction(cone: &Cone, theta: f32) -> f32 {
     (theta * (1.0 / cone.beta) as f32).min(1.0)
 }
 
@@ -55,7 +55,7 @@ fn certainty(size: usize, readings: &[(&Cone, Vec<Cell>)], fault: Fault) -> Vec<
         let mut arc = Vec::new();
         for (k, cell) in cells.iter().enumerate() {
             let (d, theta) = polar(cone, cell, k);
-            let t = turn(cone, theta);
+            let t = angle_fraction(cone, theta);
             if region(cell, fault) == Region::Interior {
                 let inverse = if cone.span > 0.0 { (1.0 / cone.span) as f32 } else { 0.0 };
                 let p = ((d - cone.r_min as f32).max(0.0) * inverse).min(1.0);
@@ -80,7 +80,7 @@ fn certainty(size: usize, readings: &[(&Cone, Vec<Cell>)], fault: Fault) -> Vec<
 
 /// Murphy's expression in f32.
 fn expression(cone: &Cone, (d, theta): (f32, f32), most: f32) -> f32 {
-    0.5 * ((1.0 - (d * (1.0 / cone.r_max) as f32).min(1.0)) + (1.0 - turn(cone, theta))) * most
+    0.5 * ((1.0 - (d * (1.0 / cone.r_max) as f32).min(1.0)) + (1.0 - angle_fraction(cone, theta))) * most
 }
 
 fn bayes(size: usize, readings: &[(&Cone, Vec<Cell>)], s: &Bayes, fault: Fault) -> Vec<Vec<f32>> {

@@ -1,5 +1,5 @@
-//! Values that a shell offers for an option, while any other is taken too: what is wrong with one is told later, with what was
-//! meant.
+//! Values that shell completion suggests for an option. The option takes any text: the command itself refuses a wrong one, with a
+//! suggestion.
 
 use crate::method::REGISTRY;
 use crate::method::settings::Settings;
@@ -8,11 +8,11 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 
-/// Takes any text, and offers some.
+/// A parser that takes any text, and lists values for shell completion.
 #[derive(Clone)]
-pub struct Offered(pub fn() -> Vec<String>);
+pub struct SuggestedValues(pub fn() -> Vec<String>);
 
-impl TypedValueParser for Offered {
+impl TypedValueParser for SuggestedValues {
     type Value = String;
 
     fn parse_ref(
@@ -34,7 +34,7 @@ pub fn methods() -> Vec<String> {
     REGISTRY.iter().map(|e| e.name.to_string()).collect()
 }
 
-/// Every key of `--set`: with each of its values where these are words, else up to the value.
+/// Every key of `--set`, as `key=value` for each value that is a word, else as `key=`.
 pub fn settings() -> Vec<String> {
     let of_methods = REGISTRY.iter().filter_map(|e| Settings::of(e.name)).flat_map(|s| s.keys());
     let all: BTreeSet<String> = OVERRIDE_KEYS.iter().chain(of_methods).flat_map(values).collect();

@@ -1,9 +1,9 @@
-//! Reading and writing a shared file at a place, so that several users don't disturb each other.
+//! Reads and writes of a shared file at a given offset, without a common file position.
 
 use std::fs::File;
 use std::io;
 
-/// Reads what there is at `at`, as [`io::Read::read`] does.
+/// Reads up to a buffer's length from offset `at`, as [`io::Read::read`] does.
 pub(crate) fn read(file: &File, buffer: &mut [u8], at: u64) -> io::Result<usize> {
     #[cfg(unix)]
     return std::os::unix::fs::FileExt::read_at(file, buffer, at);
@@ -11,7 +11,7 @@ pub(crate) fn read(file: &File, buffer: &mut [u8], at: u64) -> io::Result<usize>
     return std::os::windows::fs::FileExt::seek_read(file, buffer, at);
 }
 
-/// Fills the buffer from `at`.
+/// Fills the buffer from offset `at`.
 pub(crate) fn read_exact(file: &File, mut buffer: &mut [u8], mut at: u64) -> io::Result<()> {
     while !buffer.is_empty() {
         match read(file, buffer, at) {
@@ -24,7 +24,7 @@ pub(crate) fn read_exact(file: &File, mut buffer: &mut [u8], mut at: u64) -> io:
     Ok(())
 }
 
-/// Writes all of the bytes at `at`.
+/// Writes all bytes at offset `at`.
 pub(crate) fn write_all(file: &File, mut bytes: &[u8], mut at: u64) -> io::Result<()> {
     while !bytes.is_empty() {
         #[cfg(unix)]
