@@ -8,7 +8,7 @@ use echogrid::kernels::{Backend, Choice, choose};
 use echogrid::log;
 use echogrid::method::settings::Settings;
 use echogrid::output::{Folder, RunInfo, Unfinished, read_map, write_map};
-use echogrid::pipeline::session::{Mapped, Request, Session};
+use echogrid::pipeline::session::{MappedLog, Request, Session};
 use echogrid::world::{Shipped, Simulation, World, simulate};
 use std::path::Path;
 
@@ -17,7 +17,7 @@ fn request(method: &str) -> Request {
     Request { log: log::Options::default(), settings, resolution: 0.1, bounds: None, until: None, strict: true }
 }
 
-fn map(path: &Path, method: &str, choice: Choice) -> (Session, Mapped) {
+fn map(path: &Path, method: &str, choice: Choice) -> (Session, MappedLog) {
     let session = Session::open(path, &request(method)).unwrap();
     let mut chosen = choose(choice, session.method.as_ref(), 0).unwrap();
     let mapped = session.map(chosen.backend.as_mut(), BATCH, &|_| {}).unwrap();
@@ -36,7 +36,7 @@ fn log_of_bend(folder: &Path) -> std::path::PathBuf {
 }
 
 /// A number of a layer's bits, so that maps can be compared.
-fn bits(mapped: &Mapped) -> Vec<Vec<u64>> {
+fn bits(mapped: &MappedLog) -> Vec<Vec<u64>> {
     let layers = &mapped.finished.map.layers;
     layers.iter().map(|l| (0..l.data.len()).map(|k| l.data.get(k).to_bits()).collect()).collect()
 }

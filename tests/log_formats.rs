@@ -160,7 +160,7 @@ fn the_later_layer_wins() {
     assert_eq!((records[1].pose.x, records[1].pose.heading), (1.0, 0.7));
     options.overrides.set("hit_range", "4m").unwrap();
     let error = Log::read(text.as_bytes(), &options).unwrap_err();
-    assert_eq!(error.exit_code(), 2);
+    assert_eq!(error.kind(), echogrid::ErrorKind::Usage);
     assert!(error.to_string().contains("sensor left: hit_range 4 m must not exceed r_max 3 m"), "{error}");
     // Only r_max is lowered: hit_range follows.
     let mut options = Options::default();

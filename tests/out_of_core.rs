@@ -1,4 +1,4 @@
-//! The whole-log way: chunk by chunk it gives the bytes that all chunks together give, however it is batched or spilled.
+//! The out-of-core pipeline: chunk by chunk it gives the bytes that all chunks together give, however it is batched or spilled.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking; here are the tests' helpers too")]
 
@@ -6,9 +6,9 @@ use echogrid::grid::{Data, Map};
 use echogrid::kernels::{Backend, cpu::Cpu, gpu};
 use echogrid::log::reading::Counts;
 use echogrid::method::settings::Settings;
-use echogrid::output::{MapWriter, Outline, RunInfo, check, read_map};
+use echogrid::output::{MapSchema, MapWriter, RunInfo, check, read_map};
 use echogrid::pipeline::layers;
-use echogrid::pipeline::out_of_core::{self, Plan};
+use echogrid::pipeline::out_of_core::{self, MapOutput, ResourcePlan};
 use echogrid::pipeline::session::{Request, Session};
 use echogrid::world::{Rig, Simulation, World, simulate};
 use std::io::Write;
@@ -31,15 +31,16 @@ fn session(log: &Path, settings: Settings) -> Session {
 }
 
 /// Maps chunk by chunk into a folder, and reads the map back.
-fn whole(session: &Session, backend: &mut dyn Backend, batch: usize, bins: u64, folder: &Path) -> (Map, Counts) {
+fn mapped(session: &Session, backend: &mut dyn Backend, batch: usize, bins: u64, folder: &Path) -> (Map, Counts) {
     std::fs::create_dir(folder).unwrap();
-    let (heads, combined) = layers::heads(session.method.as_ref());
+    let (layers, combined) = layers::schemas(session.method.as_ref());
     let method = echogrid::method::name(session.method.as_ref()).to_string();
-    let outline = Outline { grid: session.grid, method, heads, combined, npy: false };
-    let mut writer = MapWriter::open(folder, outline, &RunInfo::default(), false).unwrap();
-    let plan = Plan { batch, bins, ..Plan::of(session, batch, None).unwrap() };
+    let schema = MapSchema { grid: session.grid, method, layers, combined, npy: false };
+    let mut writer = MapWriter::open(folder, schema, &RunInfo::default(), false).unwrap();
+    let plan = ResourcePlan { batch, bins, ..ResourcePlan::of(session, batch, None).unwrap() };
     let silent = |_: &str, _: u64| -> Box<dyn Fn(u64)> { Box::new(|_| {}) };
-    let counts = out_of_core::map(session, backend, &plan, folder, &silent, &mut writer).unwrap().counts;
+    let output = MapOutput { folder, progress: &silent, sink: &mut writer };
+    let counts = out_of_core::map(session, backend, &plan, output).unwrap().counts;
     writer.finish(&RunInfo::default()).unwrap();
     assert!(check(folder, &|| {}).unwrap().problems.is_empty());
     (read_map(folder).unwrap().map, counts)
@@ -80,7 +81,7 @@ fn chunk_by_chunk_gives_the_bytes_of_all_chunks_together() {
         // large batches in memory; small ones, spilled
         for (batch, bins) in [(1 << 16, 1 << 30), (513, 0)] {
             let place = folder.path().join("map");
-            let (map, counts) = whole(&session, &mut Cpu::new(0).unwrap(), batch, bins, &place);
+            let (map, counts) = mapped(&session, &mut Cpu::new(0).unwrap(), batch, bins, &place);
             assert_eq!(counts, together.counts, "{name}");
             assert_eq!((map.grid, map.updates), (session.grid, together.finished.map.updates), "{name}");
             for ((layer, found), (_, wanted)) in bits(&map).iter().zip(&want) {
@@ -121,7 +122,7 @@ fn gpu_too(options: gpu::Options, batch: usize, settings: &[(&'static str, Setti
         let session = session(&log, settings);
         let together = session.map(&mut gpu, 3000, &|_| {}).unwrap();
         let place = folder.path().join("map");
-        let (map, counts) = whole(&session, &mut gpu, batch, 0, &place);
+        let (map, counts) = mapped(&session, &mut gpu, batch, 0, &place);
         assert_eq!(counts, together.counts, "{name}");
         assert!(bits(&map) == bits(&together.finished.map), "{name}: the bytes differ");
         std::fs::remove_dir_all(&place).unwrap();
@@ -134,7 +135,7 @@ fn the_overview_is_a_pyramid_of_the_strongest() {
     let log = log(folder.path(), "ring8");
     let session = session(&log, Settings::of("bayes").unwrap());
     let place = folder.path().join("map");
-    let (map, _) = whole(&session, &mut Cpu::new(0).unwrap(), 1 << 16, 1 << 30, &place);
+    let (map, _) = mapped(&session, &mut Cpu::new(0).unwrap(), 1 << 16, 1 << 30, &place);
     let text = std::fs::read(place.join("map.zarr/overview/zarr.json")).unwrap();
     let about: serde_json::Value = serde_json::from_slice(&text).unwrap();
     let levels = about["attributes"]["ome"]["multiscales"][0]["datasets"].as_array().unwrap().clone();
@@ -160,7 +161,7 @@ fn a_card_that_would_take_more_than_the_cap() {
     let folder = tempfile::tempdir().unwrap();
     let log = log(folder.path(), "ring8");
     let session = session(&log, Settings::of("bayes").unwrap());
-    let plan = Plan::of(&session, 1 << 16, None).unwrap();
+    let plan = ResourcePlan::of(&session, 1 << 16, None).unwrap();
     // Four chunks of 20 bytes a cell at least.
     assert!(plan.card > (4 * 20) << 20, "{plan:?}");
     assert!(plan.check_card(&session, None).is_ok() && plan.check_card(&session, Some(plan.card)).is_ok());

@@ -10,7 +10,7 @@ use common::data;
 use echogrid::kernels::cpu::Cpu;
 use echogrid::method::settings::Settings;
 use echogrid::oracle::{self, Region};
-use echogrid::pipeline::finished::Finished;
+use echogrid::pipeline::finished::FinishedMap;
 use echogrid::pipeline::session::{Request, Session};
 use echogrid::pipeline::step::{By, Cell, Stepper, explain};
 use echogrid::world::{Rig, Simulation, World, simulate};
@@ -65,7 +65,7 @@ fn go(stepper: &mut Stepper, by: By) {
     assert_eq!(stepper.position(), to);
 }
 
-fn same(name: &str, found: &Finished, wanted: &Finished) {
+fn same(name: &str, found: &FinishedMap, wanted: &FinishedMap) {
     assert!(found.map == wanted.map && found.combined == wanted.combined && found.visits == wanted.visits, "{name}");
 }
 
@@ -215,7 +215,7 @@ fn a_reading_is_explained_as_by_the_reference() {
             continue;
         }
         let mut stepper = stepper(&log, settings, 1 << 28);
-        let (readings, _) = stepper.session().all().unwrap();
+        let (readings, _) = stepper.session().all_readings().unwrap();
         let mut arcs = 0;
         for at in [1usize, 57, 300] {
             go(&mut stepper, By::To(at));

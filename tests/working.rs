@@ -5,7 +5,7 @@
 use echogrid::grid::{Data, GridSpec, Layer, Map, Scale};
 use echogrid::log::reading::{Outcome, Pose, Reading, Record};
 use echogrid::method::settings::Settings;
-use echogrid::output::write_working;
+use echogrid::output::{WorkingRequest, write_working};
 use echogrid::sensor::{AtMax, Kind, Sensor};
 use echogrid::{Error, ErrorKind};
 use serde_json::Value;
@@ -65,13 +65,13 @@ impl Written {
     fn of(
         grid: &GridSpec,
         sensors: &[Sensor],
-        readings: &[Reading],
+        (readings, number): (&[Reading], usize),
         name: &str,
-        number: usize,
         map: Option<&Map>,
     ) -> Written {
         let folder = tempfile::tempdir().unwrap();
-        let paths = write_working(folder.path(), grid, sensors, readings, &method(name), None, number, map).unwrap();
+        let request = WorkingRequest { grid, sensors, readings, settings: &method(name), wedges: None, number, map };
+        let paths = write_working(folder.path(), &request).unwrap();
         let names = paths.each_ref().map(|p| p.file_name().unwrap().to_string_lossy().into_owned());
         assert_eq!(names, [format!("working-{number}.png"), format!("working-{number}.json")]);
         let json = serde_json::from_slice(&std::fs::read(&paths[1]).unwrap()).unwrap();
@@ -121,7 +121,7 @@ fn the_specifications_vector_is_cancelled_and_normalised() {
     let centre = |k: f64| (k + 0.5) * cell;
     let up = |sensor, column| reading(sensor, centre(column), centre(4.0), 90.0, 14.0 * cell);
     let readings = [up(1, 22.0), up(2, 23.0), reading(0, centre(2.0), centre(14.0), 0.0, 20.0 * cell)];
-    let written = Written::of(&grid, &sensors, &readings, "certainty", 3, None);
+    let written = Written::of(&grid, &sensors, (&readings, 3), "certainty", None);
     let columns: Vec<u64> = written.numbers("arc", "column").iter().map(|c| *c as u64).collect();
     assert_eq!(columns, [20, 21, 22, 23, 24]);
     let near = |name: &str, want: [f64; 5]| {
@@ -146,7 +146,7 @@ fn a_reading_is_told_in_full() {
     let mut silent = reading(0, 2.0, 2.0, 180.0, 1.5);
     (silent.outcome, silent.record.range) = (Outcome::NoEcho, f64::INFINITY);
     let readings = [reading(0, 0.5, 2.0, 0.0, 2.0), silent];
-    let hit = Written::of(&grid, &sensors, &readings, "bayes", 1, None).json;
+    let hit = Written::of(&grid, &sensors, (&readings, 1), "bayes", None).json;
     assert_eq!(hit["method"], "bayes");
     assert_eq!(hit["parameters"]["max_occ"], 0.98);
     let reading = &hit["reading"];
@@ -156,7 +156,7 @@ fn a_reading_is_told_in_full() {
     assert_eq!(hit["snapped"]["sensor"], serde_json::json!([160, 640]));
     assert_eq!(hit["snapped"]["reach"], serde_json::json!([608, 672]));
     assert_eq!(hit["snapped"]["axis"], serde_json::json!([8192, 0]));
-    let silent = Written::of(&grid, &sensors, &readings, "dempster-shafer", 2, None).json;
+    let silent = Written::of(&grid, &sensors, (&readings, 2), "dempster-shafer", None).json;
     assert_eq!((&silent["reading"]["z"], &silent["reading"]["outcome"]), (&Value::Null, &"no_echo".into()));
     assert_eq!((&silent["arc_cells"], silent["n"].as_u64() > Some(0)), (&0.into(), true));
 }
@@ -169,7 +169,7 @@ fn the_picture_stands_upright() {
     let readings = [reading(0, 0.55, 0.45, 60.0, 1.0)];
     let behind = map(grid, &[(10, 5, 1), (4, 12, -1)]);
     for name in ["certainty", "dempster-shafer", "bayes", "himm"] {
-        let written = Written::of(&grid, &sensors, &readings, name, 1, Some(&behind));
+        let written = Written::of(&grid, &sensors, (&readings, 1), name, Some(&behind));
         let (width, height) = written.picture.dimensions();
         assert!((600..=1200).contains(&width.max(height)), "{name}: {width} x {height}");
         for cell in written.cells() {
@@ -189,7 +189,7 @@ fn the_picture_stands_upright() {
 fn the_middle_of_a_cone_is_stronger_than_its_edge() {
     let grid = GridSpec::from_bounds([0.0, 0.0, 4.0, 4.0], 0.1).unwrap();
     let readings = [reading(0, 0.55, 2.05, 0.0, 3.0)];
-    let written = Written::of(&grid, &[sensor(Kind::Sonar, 0.3, 0.1)], &readings, "bayes", 1, None);
+    let written = Written::of(&grid, &[sensor(Kind::Sonar, 0.3, 0.1)], (&readings, 1), "bayes", None);
     let (near, edge) = (written.colour(0, 12, 20), written.colour(0, 30, 16));
     assert!(is_blue(near) && is_blue(edge) && near[0] + 60 < edge[0], "{near:?} {edge:?}");
 }
@@ -199,15 +199,15 @@ fn a_cone_beyond_the_grid_and_a_huge_one_are_drawn() {
     let grid = GridSpec::from_bounds([0.0, 0.0, 1.0, 1.0], 0.1).unwrap();
     let sensors = [sensor(Kind::Sonar, 0.3, 0.1)];
     let readings = [reading(0, 0.55, 0.55, 0.0, 2.0), reading(0, 30.0, 30.0, 0.0, 2.0)];
-    let partly = Written::of(&grid, &sensors, &readings, "bayes", 1, None);
+    let partly = Written::of(&grid, &sensors, (&readings, 1), "bayes", None);
     assert_eq!((partly.colour(0, 20, 5), partly.json["arc_cells"].as_u64()), (OUTSIDE, Some(0)));
     assert!(is_blue(partly.colour(0, 8, 5)));
-    let away = Written::of(&grid, &sensors, &readings, "bayes", 2, None);
+    let away = Written::of(&grid, &sensors, (&readings, 2), "bayes", None);
     assert_eq!((away.cells().len(), away.colour(0, 310, 296)), (0, OUTSIDE));
     // 1500 cells: less than a pixel a cell
     let fine = GridSpec::from_bounds([0.0, -0.5, 4.0, 0.5], 0.002).unwrap();
     let narrow = [Sensor { half_width: 2f64.to_radians(), ..sensors[0].clone() }];
-    let huge = Written::of(&fine, &narrow, &[reading(0, 0.5, 0.0, 0.0, 3.0)], "bayes", 1, None);
+    let huge = Written::of(&fine, &narrow, (&[reading(0, 0.5, 0.0, 0.0, 3.0)], 1), "bayes", None);
     let (width, height) = huge.picture.dimensions();
     assert!(width <= 1201 && height < width && is_blue(huge.colour(0, 750, 258)), "{width} x {height}");
 }
@@ -219,7 +219,9 @@ fn what_can_not_be_shown_is_refused() {
     let readings = [reading(0, 0.5, 0.5, 0.0, 0.4); 3];
     let folder = tempfile::tempdir().unwrap();
     let refused = |readings: &[Reading], number, map: Option<&Map>, folder: &std::path::Path| {
-        write_working(folder, &grid, &sensors, readings, &method("bayes"), None, number, map).unwrap_err()
+        let (grid, sensors, settings) = (&grid, &sensors, &method("bayes"));
+        let request = WorkingRequest { grid, sensors, readings, settings, wedges: None, number, map };
+        write_working(folder, &request).unwrap_err()
     };
     for number in [0, 4] {
         let error = refused(&readings, number, None, folder.path());

@@ -1,4 +1,4 @@
-//! Benchmarks: synthetic readings, and what a backend makes of them a second.
+//! Benchmarks: synthetic readings, and the rate at which a backend maps them.
 
 pub mod throughput;
 pub mod workload;

@@ -10,7 +10,7 @@ use crate::world::random::Random;
 /// A log in memory: readings, their sensors, their grid.
 #[derive(Debug, Clone)]
 pub struct Workload {
-    /// Its name in tables.
+    /// The name in tables.
     pub name: String,
     /// The grid.
     pub grid: GridSpec,
@@ -20,10 +20,26 @@ pub struct Workload {
     pub readings: Vec<Reading>,
 }
 
-/// Cones of one width and range, anywhere over a square map in any direction.
-///
-/// `width` is the whole beam's, radians; `range` and `resolution` are metres; the map's edge is `cells`.
-pub fn cones(count: usize, width: f64, range: f64, resolution: f64, cells: usize, seed: u64) -> Workload {
+/// Cones of one width and range, at random places of a square map in random directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RandomCones {
+    /// Number of cones.
+    pub count: usize,
+    /// Width of the whole beam, radians.
+    pub width: f64,
+    /// Range, metres.
+    pub range: f64,
+    /// Edge of a cell, metres.
+    pub resolution: f64,
+    /// Edge of the map, cells.
+    pub cells: usize,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+/// The workload of random cones.
+pub fn cones(cones: RandomCones) -> Workload {
+    let RandomCones { count, width, range, resolution, cells, seed } = cones;
     let mut random = Random::new(seed);
     let edge = cells as f64 * resolution;
     let sensor = Sensor {
@@ -61,12 +77,12 @@ pub fn standard(count: usize) -> Vec<Workload> {
     let width = 30f64.to_radians();
     [(5.0, 0.05), (2.0, 0.05), (5.0, 0.02), (2.0, 0.02)]
         .iter()
-        .map(|&(range, resolution)| cones(count, width, range, resolution, 1024, 1))
+        .map(|&(range, resolution)| cones(RandomCones { count, width, range, resolution, cells: 1024, seed: 1 }))
         .collect()
 }
 
-/// A workload's readings as if each came from one of two walls that meet on its axis, or from something before a free limit that
-/// goes up and down.
+/// Updates of a workload's readings, as if each came from one of two walls that meet on its axis, or from an obstacle before a free
+/// limit of varying range.
 pub fn walls(workload: &Workload) -> Vec<Update> {
     let update = |(number, reading): (u64, &Reading)| {
         let (pose, beta) = (reading.record.pose, workload.sensors[reading.record.sensor as usize].half_width);
@@ -121,7 +137,7 @@ pub fn scans(count: usize, resolution: f64, cells: usize, seed: u64) -> Workload
     for scan in 0..(count / BEAMS).max(1) as u64 {
         robot.heading += random.uniform(-0.3, 0.3);
         let (x, y) = (robot.x + 0.1 * robot.heading.cos(), robot.y + 0.1 * robot.heading.sin());
-        // It turns round at the edge.
+        // The robot turns round at the edge.
         if x.min(y) < 0.0 || x.max(y) > edge {
             robot.heading += std::f64::consts::PI;
         } else {

@@ -7,8 +7,8 @@ use super::suggested_values::{SuggestedValues, methods};
 use super::values::{parse_threads, use_threads};
 use super::warnings::{warn_of_jump, warn_of_log};
 use super::{print_line, print_note};
-use crate::bench::throughput::{Measured, measure};
-use crate::bench::workload::{Workload, cones, scans, standard, standard_scans};
+use crate::bench::throughput::{Measurement, measure};
+use crate::bench::workload::{RandomCones, Workload, cones, scans, standard, standard_scans};
 use crate::kernels::{Choice, choose, gpu_required};
 use crate::method::{self, REGISTRY, Unit, settings::Settings};
 use crate::{Error, Result};
@@ -84,13 +84,15 @@ impl BenchArguments {
         }
         if self.growth {
             let width = 30f64.to_radians();
-            workloads = growth_workloads(&|times, cells| cones(count * times, width, 2.0, 0.05, cells, 1));
+            workloads = growth_workloads(&|times, cells| {
+                cones(RandomCones { count: count * times, width, range: 2.0, resolution: 0.05, cells, seed: 1 })
+            });
             // Smaller cells of the same area: no scan reaches cells far away.
             scan_workloads = growth_workloads(&|times, cells| scans(count * times, 25.6 / cells as f64, cells, 1));
         }
         let style = Style { markdown: self.markdown, silent: self.json, compared: old.is_some() };
         let mut table = Table::new(workloads.iter().chain(&scan_workloads), style);
-        let mut all: Vec<Measured> = Vec::new();
+        let mut all: Vec<Measurement> = Vec::new();
         let mut backends = Vec::new();
         for (kind, choice) in [(BenchBackend::Cpu, Choice::Cpu), (BenchBackend::Gpu, Choice::Gpu)] {
             if !self.backends.contains(&kind) {
@@ -142,7 +144,7 @@ fn read_earlier(path: &Path) -> Result<Value> {
 }
 
 /// The updates a second of the same method, backend and workload in an earlier run.
-fn rate_before(old: &Value, m: &Measured) -> Option<f64> {
+fn rate_before(old: &Value, m: &Measurement) -> Option<f64> {
     let same = |v: &&Value| v["method"] == m.method && v["backend"] == m.backend && v["workload"] == m.workload;
     old["measured"].as_array()?.iter().find(same)?["updates_per_second"].as_f64()
 }
@@ -168,6 +170,6 @@ fn from_log(path: &Path) -> Result<Workload> {
     warn_of_log(&arguments, &session);
     warn_of_jump(&arguments, &session);
     let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
-    let (readings, _) = session.all()?;
+    let (readings, _) = session.all_readings()?;
     Ok(Workload { name: format!("{name}, 5 cm"), grid: session.grid, sensors: session.sensors().to_vec(), readings })
 }

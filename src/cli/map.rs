@@ -17,7 +17,7 @@ use crate::kernels::cpu::Cpu;
 use crate::kernels::{Choice, choose};
 use crate::log::reading::Counts;
 use crate::method::{self, Unit};
-use crate::output::{self, Folder, MapWriter, Outline, Report, RunInfo, Unfinished};
+use crate::output::{self, Folder, MapSchema, MapWriter, Report, RunInfo, Unfinished, WorkingRequest};
 use crate::pipeline::layers;
 use crate::pipeline::out_of_core::{self, ChunkSink};
 use crate::pipeline::session::Session;
@@ -119,7 +119,7 @@ impl MapArguments {
         choice: Choice,
         seconds: Vec<(String, f64)>,
     ) -> Result<WrittenMap> {
-        let plan = out_of_core::Plan::of(session, self.log.batch, self.memory)?;
+        let plan = out_of_core::ResourcePlan::of(session, self.log.batch, self.memory)?;
         plan.check_space(session, folder.path(), self.npy)?;
         warn_of_jump(&self.log, session);
         let mut chosen = choose(choice, session.method.as_ref(), self.log.threads)?;
@@ -128,11 +128,11 @@ impl MapArguments {
         }
         let backend = BackendUsed::of(&chosen);
         let info = run_info(session, &backend, Counts::default(), seconds)?;
-        let (heads, combined) = layers::heads(session.method.as_ref());
+        let (layers, combined) = layers::schemas(session.method.as_ref());
         let method = method::name(session.method.as_ref()).to_string();
-        let outline = Outline { grid: session.grid, method, heads, combined, npy: self.npy };
+        let schema = MapSchema { grid: session.grid, method, layers, combined, npy: self.npy };
         let guard = interrupt::defer_signals();
-        let mut writer = MapWriter::open(folder.path(), outline, &info, self.resume)?;
+        let mut writer = MapWriter::open(folder.path(), schema, &info, self.resume)?;
         drop(guard);
         let before = writer.done().len();
         let stage = |what, readings| -> Box<dyn Fn(u64)> {
@@ -142,8 +142,9 @@ impl MapArguments {
             let bar = bar(readings, what, self.hidden());
             Box::new(move |n| bar.inc(n))
         };
-        let mapped = out_of_core::map(session, chosen.backend.as_mut(), &plan, folder.path(), &stage, &mut writer);
-        let out_of_core::Done { counts, seconds, busy } = match mapped {
+        let output = out_of_core::MapOutput { folder: folder.path(), progress: &stage, sink: &mut writer };
+        let mapped = out_of_core::map(session, chosen.backend.as_mut(), &plan, output);
+        let out_of_core::MappingStatistics { counts, seconds, busy } = match mapped {
             Ok(done) => done,
             Err(e) if writer.done().is_empty() => return Err(e),
             Err(e) => return Err(keep_unfinished(folder, e)),
@@ -212,11 +213,18 @@ impl MapArguments {
 
     /// Draws reading `n` over the map of those before it.
     fn write_working(&self, folder: &Folder, session: &Session, n: usize) -> Result<()> {
-        let (readings, wedges) = session.all()?;
+        let (readings, wedges) = session.all_readings()?;
         let before = session.map_first(n - 1, &mut Cpu::new(self.log.threads)?, self.log.batch, &|_| {})?;
-        let settings = session.method.settings();
-        let (grid, sensors, map) = (&session.grid, session.sensors(), Some(&before.finished.map));
-        output::write_working(folder.path(), grid, sensors, &readings, &settings, wedges.as_deref(), n, map)?;
+        let request = WorkingRequest {
+            grid: &session.grid,
+            sensors: session.sensors(),
+            readings: &readings,
+            settings: &session.method.settings(),
+            wedges: wedges.as_deref(),
+            number: n,
+            map: Some(&before.finished.map),
+        };
+        output::write_working(folder.path(), &request)?;
         Ok(())
     }
 }

@@ -11,7 +11,7 @@ use super::values::BackendArgument;
 use super::warnings::{warn_of_jump, warn_of_log};
 use crate::kernels::{Chosen, choose};
 use crate::method::{self, Step, Steps};
-use crate::pipeline::out_of_core::{self, Calibration, Run};
+use crate::pipeline::out_of_core::{self, Calibration, OutOfCoreRun};
 use crate::pipeline::session::Session;
 use crate::support::memory;
 use crate::{Error, Result};
@@ -53,14 +53,14 @@ impl PlanArguments {
         let Some(rounds) = session.method.rounds() else { return self.resident(&session, None) };
         let started = Instant::now();
         let folder = std::env::temp_dir();
-        let plan = out_of_core::Plan::of(&session, self.log.batch, self.memory);
+        let plan = out_of_core::ResourcePlan::of(&session, self.log.batch, self.memory);
         let fit = plan.as_ref().map_err(Error::to_string).and_then(|p| {
             p.check_space(&session, &std::env::current_dir().unwrap_or_default(), false).map_err(|e| e.to_string())
         });
         let why_not = fit.err().map(|why| with_flags(&why));
         let (batch, bins) = plan.as_ref().map_or((1 << 14, 1 << 28), |p| (p.batch, p.bins));
         let bar = bar(session.survey.counts.used, "sorting", self.json);
-        let run = Run::begin(&session, batch, &folder, bins, &|n| bar.inc(n))?;
+        let run = OutOfCoreRun::begin(&session, batch, &folder, bins, &|n| bar.inc(n))?;
         drop(bar);
         let before = surveyed + started.elapsed().as_secs_f64();
         let chunks = run.places();

@@ -10,7 +10,7 @@ use crate::evaluate::verify::{BackendRun, Verification, check_backend, same_byte
 use crate::kernels::{Choice, Chosen, choose, gpu_required};
 use crate::method;
 use crate::oracle::OracleMap;
-use crate::pipeline::finished::Finished;
+use crate::pipeline::finished::FinishedMap;
 use crate::pipeline::layers;
 use crate::pipeline::session::Session;
 use crate::support::memory;
@@ -100,7 +100,7 @@ impl VerifyArguments {
             absent,
             passed: true,
         };
-        let mut maps: Vec<Finished> = Vec::new();
+        let mut maps: Vec<FinishedMap> = Vec::new();
         for mut chosen in backends {
             let started = Instant::now();
             let readings = session.survey.counts.used * session.method.sweeps().len() as u64;
@@ -181,7 +181,7 @@ impl VerifyArguments {
     }
 
     /// Writes pictures of the last backend, if it is not equal and they were asked for.
-    fn draw(&self, session: &Session, oracle: &OracleMap, result: &Verification, map: &Finished) -> Result<()> {
+    fn draw(&self, session: &Session, oracle: &OracleMap, result: &Verification, map: &FinishedMap) -> Result<()> {
         let (Some(folder), Some(last)) = (&self.pictures, result.backends.last().filter(|b| !b.passed)) else {
             return Ok(());
         };

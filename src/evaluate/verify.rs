@@ -12,7 +12,7 @@ pub use report::{BackendCheck, CellDifference, LayerCheck, ReadingRef, Verificat
 use crate::Result;
 use crate::grid::Data;
 use crate::oracle::{OracleLayer, OracleMap};
-use crate::pipeline::finished::Finished;
+use crate::pipeline::finished::FinishedMap;
 use crate::pipeline::session::Session;
 use cell_readings::CellReadings;
 
@@ -24,7 +24,7 @@ pub struct BackendRun<'a> {
     /// The adapter that it ran on.
     pub adapter: String,
     /// Its map.
-    pub finished: &'a Finished,
+    pub finished: &'a FinishedMap,
     /// Readings that it and the oracle counted differently.
     pub wrong_counts: u64,
     /// Seconds from the log to the map.
@@ -69,7 +69,7 @@ pub fn check_backend(session: &Session, oracle: &OracleMap, run: BackendRun) -> 
 }
 
 /// The cells that other readings reach than in the oracle's map.
-fn membership_differences(oracle: &OracleMap, finished: &Finished) -> Vec<usize> {
+fn membership_differences(oracle: &OracleMap, finished: &FinishedMap) -> Vec<usize> {
     let visits = &finished.visits;
     let differs = |k: &usize| {
         let marks = visits.marks.get(*k) != oracle.marks.get(*k);
@@ -144,7 +144,7 @@ fn difference(a: f64, b: f64) -> f64 {
 }
 
 /// Whether two maps hold the same bytes.
-pub fn same_bytes(a: &Finished, b: &Finished) -> bool {
+pub fn same_bytes(a: &FinishedMap, b: &FinishedMap) -> bool {
     let same = |k: usize| {
         let (a, b) = (&a.map.layers[k].data, &b.map.layers[k].data);
         a.len() == b.len() && (0..a.len()).all(|k| a.get(k).to_bits() == b.get(k).to_bits())

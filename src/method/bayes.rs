@@ -5,13 +5,14 @@
 //! keeps: exact, whatever the order.
 
 use super::settings::{Bayes, Likelihood, Settings};
-use super::{Cost, Entry, LayerSpec, Method, Pass, Step, odds};
+use super::{Completed, Cost, Entry, Evidence, LayerSpec, LogFacts, Method, Pass, Step, odds};
+use crate::Result;
 use crate::binning::snap::Snapped;
 use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::geometry::profile::murphy;
 use crate::grid::Class;
 use crate::method::driver::{Job, Kernel, Plane, Reached, WrongInput, walk};
-use crate::sensor::Sensor;
+use crate::sensor::{Kind, Sensor};
 use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 use odds::CellStates;
@@ -88,6 +89,19 @@ impl Method for Bayes {
         Settings::Bayes(*self)
     }
 
+    /// The likelihoods that fit the sensors, unless the user chose: a sonar's profile thins out towards its range and its edge,
+    /// which would cost a laser a part of its walls.
+    fn complete(&self, log: &LogFacts) -> Result<Completed> {
+        let lasers = log.sensors.iter().all(|s| s.kind == Kind::Laser);
+        let fitting = if lasers { Likelihood::Constant } else { Likelihood::Murphy };
+        let settings = Settings::Bayes(Bayes { model: Some(self.model.unwrap_or(fitting)), ..*self });
+        Ok(Completed { settings, classes: None })
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::probability("P(s|occupied)")
+    }
+
     fn planes(&self) -> usize {
         3
     }
@@ -130,7 +144,7 @@ impl Method for Bayes {
         odds::combined(layers)
     }
 
-    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+    fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) -> std::result::Result<(), WrongInput> {
         walk(self, pass, job, state)
     }
 }

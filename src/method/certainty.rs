@@ -9,7 +9,7 @@
 //! occupancy.
 
 use super::settings::{Certainty, Order, Settings};
-use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
+use super::{Cost, Entry, Evidence, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::binning::snap::Snapped;
 use crate::geometry::layout::{COUNT, Cone, FREE, Frame, OCCUPY};
 use crate::geometry::profile::{ONE_BITS, from_one, to_one};
@@ -168,6 +168,10 @@ impl Kernel for Certainty {
 impl Method for Certainty {
     fn settings(&self) -> Settings {
         Settings::Certainty(*self)
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence { about: "certainty: Emp_k in the interior, Occ_k on the arc", probability: false, normalised: true }
     }
 
     fn planes(&self) -> usize {

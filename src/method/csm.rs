@@ -4,6 +4,7 @@
 //! A cell's words count free and occupied increments, sum marks of the beams they came from, and hold the increments
 //! of α: counts, or sums of the sparse kernel (Melkumyan & Ramos 2009).
 
+mod complete;
 mod layers;
 mod model;
 

@@ -4,7 +4,7 @@
 //! −Σ ln(1 − e) and −Σ ln(1 − f). They are kept in 64-bit fixed point: exact, free of order, the same on every backend.
 
 use super::settings::{DempsterShafer, MassModel, Rho, Settings};
-use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step, Steps};
+use super::{Cost, Entry, Evidence, LayerSpec, Method, Pass, Rounds, Step, Steps};
 use crate::binning::snap::Snapped;
 use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::geometry::profile::{log, murphy};
@@ -122,6 +122,10 @@ impl Kernel for DempsterShafer {
 impl Method for DempsterShafer {
     fn settings(&self) -> Settings {
         Settings::DempsterShafer(*self)
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::magnitude("mass: of empty in the interior, of full on the arc")
     }
 
     fn planes(&self) -> usize {

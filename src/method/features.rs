@@ -5,13 +5,13 @@
 
 use super::odds::{self, CellStates, MOST, likelihood};
 use super::settings::{Features, Settings};
-use super::{Cost, Entry, LayerSpec, Method, Pass, Step, Unit};
+use super::{Cost, Entry, Evidence, Input, LayerSpec, Method, Pass, RequiredSensor, Step};
 use crate::binning::snap::Snapped;
 use crate::geometry::layout::{COUNT, Cone, Frame, Shapes};
 use crate::geometry::profile::murphy;
 use crate::grid::Class;
 use crate::method::driver::{Job, WrongInput, walk_updates};
-use crate::sensor::Sensor;
+use crate::sensor::{Kind, Sensor};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
@@ -98,12 +98,24 @@ impl Method for Features {
         Settings::Features(*self)
     }
 
-    fn unit(&self) -> Unit {
-        Unit::Update
+    fn input(&self, _: f64) -> Input {
+        Input::Updates(self.rules)
+    }
+
+    fn required_sensor(&self) -> Option<RequiredSensor> {
+        Some(RequiredSensor {
+            kind: Kind::Sonar,
+            reason: "tells what a sonar's readings came from",
+            instead: Some("finds walls in a sonar's: map it with `method bayes`"),
+        })
     }
 
     fn marks(&self) -> Option<usize> {
         Some(MARKS)
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::probability("P(occupied) that the update says, its parts together")
     }
 
     fn planes(&self) -> usize {

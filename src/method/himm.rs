@@ -6,7 +6,7 @@
 //! halves stay exact integers on every machine.
 
 use super::settings::{Himm, Settings};
-use super::{Cost, Entry, LayerSpec, Method, Pass, Rounds, Step};
+use super::{Cost, Entry, Evidence, LayerSpec, Method, Pass, Rounds, Step};
 use crate::binning::snap::Footprint;
 use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::grid::{Class, Scale};
@@ -70,6 +70,10 @@ impl Kernel for Himm {
 impl Method for Himm {
     fn settings(&self) -> Settings {
         Settings::Himm(*self)
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::magnitude("step of the count: -1 before the hit, +3 at it")
     }
 
     fn planes(&self) -> usize {

@@ -11,6 +11,8 @@ pub mod dempster_shafer;
 pub mod driver;
 pub mod features;
 pub mod himm;
+pub mod input;
+
 pub mod odds;
 pub mod settings;
 pub mod truth;
@@ -19,11 +21,12 @@ use crate::binning::snap::{Footprint, Snapped};
 use crate::geometry::layout;
 use crate::grid::{Class, Scale};
 use crate::log::reading::Outcome;
-use crate::sensor::Sensor;
+use crate::sensor::{Overrides, Sensor};
 use crate::support::suggest::closest;
 use crate::{Error, Result};
 pub use driver::Pass;
 use driver::{Job, WrongInput};
+pub use input::{Completed, Evidence, Input, LogFacts, RequiredSensor, Spread, Unit};
 use settings::Settings;
 
 /// One step of a sweep over a batch.
@@ -35,13 +38,13 @@ pub enum Step {
     Sum,
     /// Makes each reading's share from its count, on the host ([`Method::share`]).
     NormalizeByCount,
-    /// Copies the shares to the host (the whole-log way).
+    /// Copies the shares to the host (out of core).
     ReadBack,
-    /// Adds each reading's count to its share, on the host (the whole-log way).
+    /// Adds each reading's count to its share, on the host (out of core).
     AccumulateCounts,
 }
 
-/// The whole-log way: rounds over the chunks; in each a chunk's readings are gone through once or more, with these steps
+/// The rounds of the out-of-core pipeline over the chunks. In each a chunk's readings are traversed once or more, with these steps
 /// over each of their batches. What the last round leaves is the map.
 pub type Rounds = &'static [&'static [Steps]];
 
@@ -63,39 +66,46 @@ pub struct LayerSpec {
     pub integer: bool,
 }
 
-/// The kind of items that a method takes; the kinds of [`crate::binning::batch::Input`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
-    /// A reading: each updates the cells of its cone.
-    Reading,
-    /// A scan: each cell takes one beam of it.
-    Scan,
-    /// An update that features made of a reading.
-    Update,
-}
-
-impl Unit {
-    /// What the items are called in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Unit::Reading => "readings",
-            Unit::Scan => "scans",
-            Unit::Update => "updates",
-        }
-    }
-}
-
 /// A method with its parameters set.
 pub trait Method: Send + Sync {
     /// The parameters.
     fn settings(&self) -> Settings;
 
+    /// A reading's own evidence of a cell, for explanations.
+    fn evidence(&self) -> Evidence;
+
     /// Planes after the two counts. Every word of a cell is 0 before the first reading.
     fn planes(&self) -> usize;
 
-    /// What it takes one at a time.
+    /// Its input for cells of `resolution`, metres.
+    fn input(&self, _resolution: f64) -> Input {
+        Input::Readings
+    }
+
+    /// The kind of its input, which does not depend on the size of the cells.
     fn unit(&self) -> Unit {
-        Unit::Reading
+        self.input(1.0).unit()
+    }
+
+    /// The one kind of sensor whose readings it maps; `None`: any.
+    fn required_sensor(&self) -> Option<RequiredSensor> {
+        None
+    }
+
+    /// Narrows a sensor's limits to what the method trusts; limits that the user set stay as they are.
+    fn limit_sensor(&self, _sensor: &mut Sensor, _set: &Overrides) {}
+
+    /// How far around a beam it updates cells, beyond the beam's cone.
+    fn spread(&self) -> Spread {
+        Spread::default()
+    }
+
+    /// Its parameters, completed from a log and a grid.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a grid that the method can't map, [`Error::Input`] for a log that lacks what it needs.
+    fn complete(&self, _log: &LogFacts) -> Result<Completed> {
+        Ok(Completed { settings: self.settings(), classes: None })
     }
 
     /// The plane, counted from the two counts on, that sums marks of what a cell has taken, so that `verify` can tell whether
@@ -122,7 +132,7 @@ pub trait Method: Send + Sync {
     /// The steps over each batch, in order, for each sweep over the log.
     fn sweeps(&self) -> &'static [&'static [Step]];
 
-    /// The rounds of the whole-log way; `None`: a cell needs its neighbours in other chunks, so that the chunks must be
+    /// The rounds of the out-of-core pipeline; `None`: a cell needs its neighbours in other chunks, so that the chunks must be
     /// resident together.
     fn rounds(&self) -> Option<Rounds> {
         Some(&[&[&[Step::Pass(Pass::Fuse, layout::COUNT)]]])

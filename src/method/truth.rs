@@ -4,11 +4,12 @@
 //! a pass d < z − ¾ cell: the two counts that every method keeps, so a cell has no other state.
 
 use super::settings::Settings;
-use super::{Cost, Entry, LayerSpec, Method, Pass, Step};
+use super::{Cost, Entry, Evidence, LayerSpec, Method, Pass, RequiredSensor, Step};
 use crate::binning::snap::Footprint;
 use crate::geometry::layout::{COUNT, Cone, Frame};
 use crate::grid::{Class, Scale};
 use crate::method::driver::{Job, Kernel, Plane, Reached, WrongInput, walk};
+use crate::sensor::{Kind, Overrides, Sensor};
 use fearless_simd::Simd;
 
 /// The registry's line.
@@ -55,8 +56,29 @@ impl Method for Truth {
         Settings::Truth
     }
 
+    fn evidence(&self) -> Evidence {
+        Evidence::magnitude("count: 1 pass in the interior, 1 hit on the arc")
+    }
+
     fn planes(&self) -> usize {
         0
+    }
+
+    fn required_sensor(&self) -> Option<RequiredSensor> {
+        Some(RequiredSensor { kind: Kind::Laser, reason: "takes the nearest beam of each laser scan", instead: None })
+    }
+
+    /// The laser truth trusts 5 cm to 20 m, and no more than the sensor does.
+    fn limit_sensor(&self, sensor: &mut Sensor, set: &Overrides) {
+        if set.r_min.is_none() {
+            sensor.r_min = sensor.r_min.max(0.05);
+        }
+        if set.r_max.is_none() {
+            sensor.r_max = sensor.r_max.min(20.0);
+        }
+        if set.hit_range.is_none() {
+            sensor.hit_range = sensor.hit_range.min(sensor.r_max);
+        }
     }
 
     fn footprint(&self) -> Footprint {

@@ -1,8 +1,8 @@
-//! Whether a stored map is whole: every shard is read, which tests its checksums, and what the layers come to is held
-//! against the report.
+//! Checks whether a stored map is whole: every shard is read, which tests its checksums, and the layers' sums and ranges are compared with
+//! the report.
 
 use super::names::{REPORT, STORE};
-use super::zarr::{Reader, Tried};
+use super::zarr::{StoreReader, Tried};
 use super::{folder, report};
 use crate::grid::Map;
 use crate::grid::places;
@@ -10,23 +10,23 @@ use crate::{Error, Result};
 use serde_json::Value;
 use std::path::Path;
 
-/// What a check found.
+/// The result of a check.
 #[derive(Debug, Clone, Default)]
 pub struct Checked {
-    /// Layers read, and shards that are stored.
+    /// Layers read.
     pub layers: usize,
     /// Shards that are stored.
     pub shards: u64,
-    /// Their bytes.
+    /// Size of the stored shards, bytes.
     pub bytes: u64,
-    /// What is wrong; nothing, if the map is whole.
+    /// What is wrong; empty if the map is whole.
     pub problems: Vec<String>,
 }
 
-/// Reads a map's folder through, a shard at a time; `progress` hears of each.
+/// Checks a map's folder, one shard at a time. `progress` is called before each.
 ///
 /// # Errors
-/// [`Error::Input`] if it is no map; what is damaged is no error but a problem found.
+/// [`Error::Input`] if it is no map. Damage is no error but a problem in the result.
 pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
     if !folder::is_map(path) {
         return Err(Error::input(path, "it is no echogrid map: a folder with report.json and map.zarr is wanted"));
@@ -34,7 +34,7 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
     let unreadable = |e: super::zarr::Cause| Error::input(path.join(STORE), format!("it can't be read: {e}"));
     let text = std::fs::read(REPORT.at(path)).map_err(|e| Error::input(path, e.to_string()))?;
     let stored: Value = serde_json::from_slice(&text).map_err(|e| Error::input(REPORT.at(path), e.to_string()))?;
-    let reader = Reader::open(&path.join(STORE)).map_err(unreadable)?;
+    let reader = StoreReader::open(&path.join(STORE)).map_err(unreadable)?;
     let mut found = Checked { layers: reader.names().len(), ..Checked::default() };
     for (k, name) in reader.names().iter().enumerate() {
         let mut all = [0.0, f64::INFINITY, f64::NEG_INFINITY];
@@ -44,13 +44,13 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
             match reader.stored(k, at) {
                 Some(bytes) => (found.shards, found.bytes) = (found.shards + 1, found.bytes + bytes),
                 None => {
-                    // All fill: nothing to test, and its sum is known.
+                    // All of it is the fill value: there is nothing to test, and its sum is known.
                     let part = reader.fill(k) * crate::grid::part(&reader.grid, at).cells() as f64;
                     all = [all[0] + part, all[1].min(reader.fill(k)), all[2].max(reader.fill(k))];
                     continue;
                 }
             }
-            match tally(&reader, k, at) {
+            match shard_statistics(&reader, k, at) {
                 Ok([sum, min, max]) => all = [all[0] + sum, all[1].min(min), all[2].max(max)],
                 Err(e) => {
                     damaged = true;
@@ -71,8 +71,8 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
     Ok(found)
 }
 
-/// A shard's sum, least and largest value.
-fn tally(reader: &Reader, layer: usize, at: [u32; 2]) -> Tried<[f64; 3]> {
+/// The sum, the least and the largest value of a shard.
+fn shard_statistics(reader: &StoreReader, layer: usize, at: [u32; 2]) -> Tried<[f64; 3]> {
     let layer = reader.shard(layer, at)?;
     let map = Map {
         grid: crate::grid::part(&reader.grid, at),
@@ -81,5 +81,5 @@ fn tally(reader: &Reader, layer: usize, at: [u32; 2]) -> Tried<[f64; 3]> {
         updates: 0,
         increments: Vec::new(),
     };
-    Ok(report::Tally::of(&map).first_layer())
+    Ok(report::ChunkStatistics::of(&map).first_layer())
 }

@@ -1,45 +1,45 @@
-//! What lies in a map's folder: the map's own files, and those of others, which nothing here removes.
+//! The contents of a map's folder: the map's own files, and foreign ones, which are never removed.
 
-use super::names::{Kind, MARKER, Own, REPORT, RUN, STORE_ROOT};
+use super::names::{EntryKind, MARKER, OwnNames, REPORT, RUN, STORE_ROOT};
 use serde_json::Value;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// So many names stand in a message.
+/// The most names of foreign files in a message.
 const SHOWN: usize = 3;
 
-/// A folder's files, the map's own and others'.
+/// The files of a folder, the map's own and foreign ones.
 #[derive(Debug, Default)]
 pub(super) struct Contents {
     folder: PathBuf,
     files: Vec<PathBuf>,
-    /// Each before those inside it.
+    /// The map's own folders, each before those inside it.
     folders: Vec<PathBuf>,
     foreign: Vec<String>,
 }
 
 impl Contents {
-    /// Of a folder that holds a map, or, if `partial`, one that is being written.
+    /// Lists the contents of a folder that holds a map or, if `partial`, one that is being written.
     pub fn of(folder: &Path, partial: bool) -> io::Result<Contents> {
-        let own = own(folder, partial);
+        let own = own_names(folder, partial);
         let mut contents = Contents { folder: folder.into(), ..Contents::default() };
-        contents.look(&own, folder, &mut Vec::new())?;
+        contents.list(&own, folder, &mut Vec::new())?;
         contents.foreign.sort();
         Ok(contents)
     }
 
-    fn look(&mut self, own: &Own, folder: &Path, above: &mut Vec<String>) -> io::Result<()> {
+    fn list(&mut self, own: &OwnNames, folder: &Path, above: &mut Vec<String>) -> io::Result<()> {
         for entry in fs::read_dir(folder)? {
             let entry = entry?;
             let (name, kind) = (entry.file_name(), entry.file_type()?);
             let parts = name.to_str().map(|name| above.iter().map(String::as_str).chain([name]).collect::<Vec<_>>());
             match parts.and_then(|parts| own.kind(&parts)) {
-                Some(Kind::File) if kind.is_file() => self.files.push(entry.path()),
-                Some(Kind::Folder) if kind.is_dir() => {
+                Some(EntryKind::File) if kind.is_file() => self.files.push(entry.path()),
+                Some(EntryKind::Folder) if kind.is_dir() => {
                     self.folders.push(entry.path());
                     above.push(name.to_string_lossy().into_owned());
-                    self.look(own, &entry.path(), above)?;
+                    self.list(own, &entry.path(), above)?;
                     above.pop();
                 }
                 _ => {
@@ -52,7 +52,7 @@ impl Contents {
         Ok(())
     }
 
-    /// Names of what isn't the map's, for a message; `None`: there is nothing.
+    /// The names of foreign files, for a message; `None`: there are none.
     pub fn foreign(&self) -> Option<String> {
         let shown = self.foreign.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
         match self.foreign.len() {
@@ -62,8 +62,8 @@ impl Contents {
         }
     }
 
-    /// Removes the map's own files, and the folder if nothing else is in it. Killed halfway, it leaves what is no map any more, but
-    /// still known by its layers and its marker.
+    /// Removes the map's own files, and the folder if nothing else is in it. If it is killed halfway, the rest is no map any more, but
+    /// still lists its layers and bears its marker.
     pub fn remove(mut self) -> io::Result<()> {
         let last = [REPORT, RUN, MARKER].map(|name| name.at(&self.folder));
         let root = STORE_ROOT.at(&self.folder);
@@ -87,8 +87,8 @@ impl Contents {
     }
 }
 
-/// What may lie in a folder, by what its report, or its unfinished run, says.
-fn own(folder: &Path, partial: bool) -> Own {
+/// The names that the map in a folder may use, by its report or by the description of its unfinished run.
+fn own_names(folder: &Path, partial: bool) -> OwnNames {
     let read = |path: PathBuf| -> Value {
         fs::read(path).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
     };
@@ -100,5 +100,5 @@ fn own(folder: &Path, partial: bool) -> Own {
     if partial {
         layers.extend(texts(&read(RUN.at(folder))["layers"]).unwrap_or_default());
     }
-    Own { layers, listed: texts(&report["files"]), partial }
+    OwnNames { layers, listed: texts(&report["files"]), partial }
 }

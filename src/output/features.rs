@@ -1,9 +1,9 @@
-//! What the feature stage found, beside the map: `features.geojson` for programs, `features.svg` to look at. Each file is written
-//! whole or not at all.
+//! The features of the feature stage: `features.geojson` for programs, `features.svg` as a picture. Each file is written whole or not at
+//! all.
 
 mod picture;
 
-use super::names::{FEATURES, FEATURES_PARTIAL, FEATURES_PICTURE, FEATURES_PICTURE_PARTIAL, Name, PICTURE};
+use super::names::{FEATURES, FEATURES_PARTIAL, FEATURES_PICTURE, FEATURES_PICTURE_PARTIAL, FileName, PICTURE};
 use super::unwritable;
 use crate::Result;
 use crate::feature::{FeatureMap, Rcd};
@@ -13,12 +13,11 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// What the numbers of a position are; GeoJSON's own are degrees.
+/// The frame of the positions; GeoJSON's default is degrees.
 const FRAME: &str =
     "metres in the log's world frame, x right, y up, rounded to 0.1 mm: not WGS84 longitude and latitude";
 
-/// Writes `features.geojson` and `features.svg` into a map's folder; the picture lies on its `map.png`, if that is there by now.
-/// `grid` is the map's.
+/// Writes `features.geojson` and `features.svg` into the folder of a map on `grid`. The picture is drawn over `map.png`, if that exists.
 ///
 /// # Errors
 /// [`Error::Resources`](crate::Error::Resources) if one can't be written.
@@ -28,7 +27,7 @@ pub fn write_features(folder: &Path, known: &FeatureMap, grid: &GridSpec) -> Res
     save(folder, [FEATURES_PICTURE, FEATURES_PICTURE_PARTIAL], &picture::svg(known, grid, drawn_over))
 }
 
-fn save(folder: &Path, names: [Name; 2], text: &str) -> Result<()> {
+fn save(folder: &Path, names: [FileName; 2], text: &str) -> Result<()> {
     let [path, partial] = names.map(|name| name.at(folder));
     std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, &path)).map_err(|e| {
         let _ = std::fs::remove_file(&partial);
@@ -36,7 +35,7 @@ fn save(folder: &Path, names: [Name; 2], text: &str) -> Result<()> {
     })
 }
 
-/// A feature a line: walls, then corners, then points, each in the stage's order.
+/// The text of the GeoJSON file, one feature per line: walls, then corners, then points, each in the stage's order.
 fn geojson(known: &FeatureMap) -> String {
     let features = &known.features;
     let walls = features.walls.iter().map(|wall| {
@@ -71,7 +70,7 @@ fn feature(geometry: &str, coordinates: Value, mut own: Value, seen: Value) -> V
     json!({ "type": "Feature", "geometry": { "type": geometry, "coordinates": coordinates }, "properties": own })
 }
 
-/// What saw a feature: how many scans, regions and readings, and between which lines of the log each region stands.
+/// The observations of a feature: the numbers of scans, regions and readings, and the lines of the log of each region.
 fn seen<'a>(known: &'a FeatureMap, rcds: impl Iterator<Item = &'a usize>) -> Value {
     let places: BTreeSet<usize> = rcds.copied().collect();
     let regions: Vec<&Rcd> = places.iter().filter_map(|k| known.regions.get(*k)).collect();
@@ -85,7 +84,7 @@ fn place(at: Point) -> [f64; 2] {
     [at.x, at.y].map(|v| rounded(v, 1e4))
 }
 
-/// To so many steps a unit; never −0.
+/// Rounds to so many steps per unit; never −0.
 fn rounded(value: f64, steps: f64) -> f64 {
     (value * steps).round() / steps + 0.0
 }

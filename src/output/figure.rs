@@ -1,24 +1,24 @@
-//! `figure.svg`: mean, variance and class side by side, each with its colour bar or the names of its colours, for the methods that have
-//! these layers. The pictures are embedded.
+//! `figure.svg`: the layers mean, variance and label side by side, each with its scale and the names of its colours, for the methods that
+//! have all three. The pictures are embedded in the file.
 
 use super::names::{FIGURE, LAYER_PICTURE};
 use super::png::{UNTOUCHED, colour};
 use super::svg::escape;
-use super::{Outline, unwritable};
+use super::{MapSchema, unwritable};
 use crate::Result;
 use crate::grid::{Layer, Scale};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use std::path::Path;
 
-/// The layers of the panels; there is no figure unless the method has them all.
+/// The names and titles of the layers shown.
 const PANELS: [(&str, &str); 3] =
     [("mean", "probability of occupied"), ("variance", "variance"), ("label", "likeliest class")];
-/// A panel's longer edge, pixels.
+/// The longer side of a panel, and the gap between two, pixels.
 const EDGE: f64 = 420.0;
 /// The gap between panels, pixels.
 const GAP: f64 = 24.0;
-/// The space above the pictures, pixels.
+/// The space above the pictures, the side of a colour sample, and the height of a line below them, pixels.
 const TOP: f64 = 34.0;
 /// The height of a colour bar, pixels.
 const BAR: f64 = 14.0;
@@ -27,14 +27,17 @@ const LINE: f64 = 18.0;
 /// Steps of a colour bar.
 const STEPS: usize = 42;
 
-/// Writes the figure, with the layers' pictures from the same folder.
-pub(super) fn write(folder: &Path, outline: &Outline, classes: &[String]) -> Result<()> {
+/// Writes the figure from the layers' pictures in a folder; nothing for a method without its layers.
+///
+/// # Errors
+/// [`Error::Resources`](crate::Error::Resources) if a picture can't be read or the figure can't be written.
+pub(super) fn write(folder: &Path, schema: &MapSchema, classes: &[String]) -> Result<()> {
     let layers: Vec<&Layer> =
-        PANELS.iter().filter_map(|(name, _)| outline.heads.iter().find(|h| h.name == *name)).collect();
+        PANELS.iter().filter_map(|(name, _)| schema.layers.iter().find(|l| l.name == *name)).collect();
     if layers.len() < PANELS.len() {
         return Ok(());
     }
-    let grid = &outline.grid;
+    let grid = &schema.grid;
     let (across, up) = (grid.width as f64 * grid.resolution, grid.height as f64 * grid.resolution);
     let scale = EDGE / across.max(up);
     let (width, height) = (across * scale, up * scale);
@@ -47,13 +50,13 @@ pub(super) fn write(folder: &Path, outline: &Outline, classes: &[String]) -> Res
          font-family=\"sans-serif\" font-size=\"13\"><title>{2}</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
         whole[0],
         whole[1],
-        escape(&outline.method)
+        escape(&schema.method)
     );
     for ((k, layer), (_, title)) in layers.iter().enumerate().zip(PANELS) {
         let left = GAP + k as f64 * (EDGE + GAP);
         let path = folder.join(LAYER_PICTURE.of(&layer.name));
         let picture = std::fs::read(&path).map_err(|e| unwritable(&path, e))?;
-        let title = if k == 0 { format!("{}: {title}", outline.method) } else { title.to_string() };
+        let title = if k == 0 { format!("{}: {title}", schema.method) } else { title.to_string() };
         svg += &format!(
             "<text x=\"{left:.0}\" y=\"22\" font-weight=\"bold\">{}</text>\
              <image x=\"{left:.0}\" y=\"{TOP}\" width=\"{width:.1}\" height=\"{height:.1}\" preserveAspectRatio=\"none\" \
@@ -78,7 +81,7 @@ pub(super) fn write(folder: &Path, outline: &Outline, classes: &[String]) -> Res
     std::fs::write(&path, svg).map_err(|e| unwritable(&path, e))
 }
 
-/// A legend of a scale's colours, from `top` downwards.
+/// The legend of a scale; its upper left corner lies at `left`, `top`.
 fn legend(scale: Scale, names: &[String], left: f64, top: f64) -> String {
     let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
     let row = |line: usize, colour: [u8; 3], text: &str| {
@@ -107,7 +110,7 @@ fn legend(scale: Scale, names: &[String], left: f64, top: f64) -> String {
     }
 }
 
-/// A colour bar with its ends in numbers.
+/// A colour bar, labelled with the values at its ends.
 fn colour_bar(scale: Scale, [low, high]: [f64; 2], left: f64, top: f64) -> String {
     let step = EDGE / 2.0 / STEPS as f64;
     let mut text = String::new();

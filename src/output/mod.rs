@@ -1,5 +1,5 @@
-//! Writing a finished map: a folder with a Zarr store, pictures, a map for ROS 2, and a report. One format a file; each
-//! writes into the folder it is given, and [`Folder`] alone decides when that folder becomes the user's.
+//! Writes a finished map: a folder with a Zarr store, pictures, a map for ROS 2, and a report. Each format is a file here, and writes into
+//! the folder that it is given; [`Folder`] alone decides when that folder becomes the user's.
 
 mod check;
 mod contents;
@@ -12,6 +12,7 @@ pub(crate) mod png;
 mod raster;
 mod report;
 mod ros;
+mod schema;
 pub(crate) mod svg;
 mod working;
 mod writer;
@@ -22,11 +23,12 @@ pub use features::write_features;
 pub(crate) use folder::seems_map;
 pub use folder::{Folder, Unfinished};
 pub use png::write_picture;
-pub use report::{Cells, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
+pub use report::{CellCounts, LayerReport, LogInfo, Report, RunInfo, SensorReport, parameters, peak_memory, tidy};
 pub use ros::{RosMap, read_ros};
-pub use working::write_working;
-pub(crate) use working::{Outline as ConeOutline, own_is, weigher};
-pub use writer::{MapWriter, Outline, begun, cut, head};
+pub use schema::{MapSchema, crop, schema};
+pub(crate) use working::{ConeOutline, own_is, weigher};
+pub use working::{WorkingRequest, write_working};
+pub use writer::{MapWriter, begun};
 pub(crate) use zarr::{Pieces, Stored, StoredLayer};
 pub use zarr::{StoredMap, read_map};
 
@@ -35,20 +37,20 @@ use crate::grid::{part, places};
 use crate::{Error, Result};
 use std::path::Path;
 
-/// Writes every file of a map into an open folder, the report last, and returns that report. The folder becomes the
-/// user's with [`Folder::finish`].
+/// Writes every file of a map into an open folder, the report last, and returns the report. The folder becomes the user's with
+/// [`Folder::finish`]. `combined` is drawn as `map.png`; `npy` adds one `.npy` file per layer.
 ///
-/// `npy` adds one `.npy` file a layer.
-/// `combined` is drawn as `map.png`.
+/// # Errors
+/// [`Error::Usage`] for a map whose layers can't be written, [`Error::Resources`] if a file can't be written.
 pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, npy: bool) -> Result<Report> {
     writable(map)?;
-    let heads = map.layers.iter().map(head).collect();
-    let outline = Outline { grid: map.grid, method: map.method.clone(), heads, combined: head(combined), npy };
-    let mut writer = MapWriter::open(folder.path(), outline, info, false)?;
-    // the whole map's updates are the first chunk's: a part knows none of its own
+    let layers = map.layers.iter().map(schema).collect();
+    let schema = MapSchema { grid: map.grid, method: map.method.clone(), layers, combined: schema(combined), npy };
+    let mut writer = MapWriter::open(folder.path(), schema, info, false)?;
+    // The chunks' updates add up to the map's. Those of a part are not known, so that the first chunk takes all.
     let (mut updates, mut increments) = (map.updates, map.increments.clone());
     for at in places(&map.grid) {
-        let layers = map.layers.iter().map(|layer| cut(&map.grid, layer, at)).collect();
+        let layers = map.layers.iter().map(|layer| crop(&map.grid, layer, at)).collect();
         let part = Map {
             grid: part(&map.grid, at),
             method: map.method.clone(),
@@ -56,18 +58,18 @@ pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, n
             updates,
             increments: std::mem::take(&mut increments),
         };
-        writer.chunk(at, &part, &cut(&map.grid, combined, at))?;
+        writer.chunk(at, &part, &crop(&map.grid, combined, at))?;
         updates = 0;
     }
     writer.finish(info)
 }
 
-/// Removes what a run has left in its partial folder; what isn't echogrid's stays, and so does the folder then.
+/// Removes echogrid's files from a partial folder, and the folder if nothing else is in it.
 pub(crate) fn discard(partial: &Path) {
     let _ = contents::Contents::of(partial, true).and_then(contents::Contents::remove);
 }
 
-/// What every writer relies on: layers of the grid's size, names that are file names, the two layers of every map.
+/// Checks what every writer relies on: layers of the grid's size, names that are file names, the layers `touched` and `class`.
 fn writable(map: &Map) -> Result<()> {
     let wrong = |what: String| Err(Error::Usage(format!("the map can't be written: {what}")));
     for layer in &map.layers {
@@ -88,7 +90,7 @@ fn writable(map: &Map) -> Result<()> {
     Ok(())
 }
 
-/// "PATH can't be written: CAUSE" with what to do about it: every writer's error.
+/// The error of every writer: "PATH can't be written: CAUSE", and a remedy.
 fn unwritable(path: &Path, cause: impl std::fmt::Display) -> Error {
     let path = path.display();
     Error::Resources(format!("{path} can't be written: {cause}; free space there, or give another folder with -o"))

@@ -1,24 +1,24 @@
-//! The names of all files that a map's folder may hold. Outputs take their names from here, and [`Folder`](super::Folder) tells
-//! a map's own files by them: no other file is ever removed.
+//! The names of all files that a map's folder may hold. Every writer takes its names from here, and [`Folder`](super::Folder) recognizes a
+//! map's own files by them; no other file is ever removed.
 
 use crate::pipeline::out_of_core;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// A file's name in a map's folder; `*` stands for a layer's name, `#` for a number.
+/// The name of a file in a map's folder; `*` stands for a layer's name, `#` for a number.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Name(&'static str);
+pub(crate) struct FileName(&'static str);
 
-/// Constants of names, and a list of them all, so that no name is missing in the list.
+/// Defines constants of names together with a list of them, so that the list is complete.
 macro_rules! names {
     ($all:ident: $($(#[$about:meta])* $name:ident = $text:expr;)*) => {
-        $($(#[$about])* pub(crate) const $name: Name = Name($text);)*
-        const $all: &[Name] = &[$($name),*];
+        $($(#[$about])* pub(crate) const $name: FileName = FileName($text);)*
+        const $all: &[FileName] = &[$($name),*];
     };
 }
 
 names! { MAP:
-    /// What was run, and what came out.
+    /// The report of the run.
     REPORT = "report.json";
     /// A map for ROS: its picture and its description.
     PGM = "map.pgm";
@@ -29,10 +29,10 @@ names! { MAP:
     LAYER_ARRAY = "*.npy";
     /// A counting sensor model's layers side by side.
     FIGURE = "figure.svg";
-    /// What method features found.
+    /// The features of method features.
     FEATURES = "features.geojson";
     FEATURES_PICTURE = "features.svg";
-    /// The store. zarrs makes the names in it.
+    /// The store. zarrs chooses the names in it.
     STORE_ROOT = "map.zarr/zarr.json";
     AXIS_X = "map.zarr/x/zarr.json";
     AXIS_X_CHUNK = "map.zarr/x/c/#";
@@ -46,18 +46,18 @@ names! { MAP:
     /// One reading explained. The report doesn't list these two: they are written after it.
     WORKING = "working-#.json";
     WORKING_PICTURE = "working-#.png";
-    /// A folder that is being written, or was replaced, bears it.
+    /// The marker of a folder that is being written, or was replaced.
     MARKER = ".echogrid-partial";
 }
 
 names! { STEPS:
-    /// What a run is, and the chunks that it has finished; both go when the map is whole.
+    /// The description of a run, and the chunks that it has finished; both are removed when the map is whole.
     RUN = "run.json";
     PROGRESS = "progress.jsonl";
-    /// What the rounds before the last have found.
-    FOUND = out_of_core::FOUND;
-    FOUND_PARTIAL = out_of_core::FOUND_PARTIAL;
-    /// Pictures under way.
+    /// The totals of readings from the rounds before the last.
+    TOTALS = out_of_core::TOTALS;
+    TOTALS_PARTIAL = out_of_core::TOTALS_PARTIAL;
+    /// Pictures while they are written.
     CANVAS = "*.canvas";
     OVERVIEW_CANVAS = "overview-#.canvas";
     FEATURES_PARTIAL = "features.geojson.partial";
@@ -67,7 +67,7 @@ names! { STEPS:
 /// The store's folder.
 pub(crate) const STORE: &str = "map.zarr";
 
-/// Every name that the report of a map of these layers may list, sorted.
+/// The names that the report of a map of these layers may list, sorted.
 pub(super) fn of(layers: &[String]) -> Vec<String> {
     let listed = MAP.iter().filter(|name| !name.0.contains(['/', '#']) && name.0 != MARKER.0);
     let mut all: Vec<String> = listed
@@ -81,29 +81,29 @@ pub(super) fn of(layers: &[String]) -> Vec<String> {
     all
 }
 
-/// Whether a file or a folder is meant.
+/// The kind of an entry of a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum EntryKind {
     File,
     Folder,
 }
 
-impl Name {
-    /// The file in a folder; for a name that has no gap.
+impl FileName {
+    /// The path in a folder, for a name without placeholder.
     pub fn at(self, folder: &Path) -> PathBuf {
         folder.join(self.0)
     }
 
-    /// The name for a layer, or a number.
+    /// The name for a layer or a number, in place of the placeholder.
     pub fn of(self, what: impl Display) -> String {
         self.0.replace(['*', '#'], &what.to_string())
     }
 
-    /// Whether it is the name of such a file, or of a folder on the way to it, by the path's parts.
-    fn fits(self, parts: &[&str], layers: &[String]) -> Option<Kind> {
+    /// Matches a path, by its parts, with the name: a file, or a folder on the way to it; `None`: neither.
+    fn fits(self, parts: &[&str], layers: &[String]) -> Option<EntryKind> {
         let mut own = self.0.split('/');
         let along = parts.iter().all(|part| own.next().is_some_and(|own| fits(own, part, layers)));
-        along.then(|| if own.next().is_some() { Kind::Folder } else { Kind::File })
+        along.then(|| if own.next().is_some() { EntryKind::Folder } else { EntryKind::File })
     }
 }
 
@@ -117,42 +117,42 @@ fn fits(own: &str, part: &str, layers: &[String]) -> bool {
     })
 }
 
-/// What may lie in a folder: a whole map's files, or those of one that is being written, too.
+/// The names that a map may use in its folder.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Own {
+pub(super) struct OwnNames {
     /// The map's layers.
     pub layers: Vec<String>,
-    /// The files that the map's report lists; maps of older versions list none, and each name of the program's is theirs.
+    /// The files that the map's report lists; `None`: a map of an older version, which may use every name.
     pub listed: Option<Vec<String>>,
-    /// Whether it is being written.
+    /// Whether the map is being written, so that the files of a run count, too.
     pub partial: bool,
 }
 
-impl Own {
-    /// What a path, by its parts, is to the map; `None`: it isn't the map's.
-    pub fn kind(&self, parts: &[&str]) -> Option<Kind> {
-        let find = |names: &[Name]| names.iter().find_map(|name| name.fits(parts, &self.layers));
+impl OwnNames {
+    /// The kind of the map's entry at a path, by its parts; `None`: the path isn't the map's.
+    pub fn kind(&self, parts: &[&str]) -> Option<EntryKind> {
+        let find = |names: &[FileName]| names.iter().find_map(|name| name.fits(parts, &self.layers));
         if let (true, Some(kind)) = (self.partial, find(STEPS)) {
             return Some(kind);
         }
         let listed = |name: &str| self.listed.as_ref().is_none_or(|all| all.iter().any(|n| n == name));
         match (find(MAP)?, parts) {
-            (Kind::File, [name]) if !self.partial && !listed(name) => find(UNLISTED),
+            (EntryKind::File, [name]) if !self.partial && !listed(name) => find(UNLISTED),
             (kind, _) => Some(kind),
         }
     }
 }
 
-/// What a report doesn't list.
-const UNLISTED: &[Name] = &[REPORT, WORKING, WORKING_PICTURE, MARKER];
+/// The names that a report doesn't list.
+const UNLISTED: &[FileName] = &[REPORT, WORKING, WORKING_PICTURE, MARKER];
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn own(partial: bool, listed: Option<&[&str]>) -> Own {
+    fn own(partial: bool, listed: Option<&[&str]>) -> OwnNames {
         let listed = listed.map(|names| names.iter().map(|n| n.to_string()).collect());
-        Own { layers: vec!["p_occ".into(), "class".into()], listed, partial }
+        OwnNames { layers: vec!["p_occ".into(), "class".into()], listed, partial }
     }
 
     #[test]
@@ -160,13 +160,13 @@ mod tests {
         let own = own(false, None);
         let kind = |path: &str| own.kind(&path.split('/').collect::<Vec<_>>());
         for file in ["report.json", "class.png", "p_occ.npy", "map.png", "working-12.json", "map.zarr/x/c/0"] {
-            assert_eq!(kind(file), Some(Kind::File), "{file}");
+            assert_eq!(kind(file), Some(EntryKind::File), "{file}");
         }
         for file in ["map.zarr/class/c/0/17", "map.zarr/overview/3/c/1/2", "map.zarr/overview/zarr.json"] {
-            assert_eq!(kind(file), Some(Kind::File), "{file}");
+            assert_eq!(kind(file), Some(EntryKind::File), "{file}");
         }
         for folder in ["map.zarr", "map.zarr/class", "map.zarr/class/c/0", "map.zarr/overview/11"] {
-            assert_eq!(kind(folder), Some(Kind::Folder), "{folder}");
+            assert_eq!(kind(folder), Some(EntryKind::Folder), "{folder}");
         }
         for foreign in [
             "notes.txt",
@@ -194,16 +194,16 @@ mod tests {
     fn a_report_s_list_decides_where_there_is_one() {
         let own = own(false, Some(&["class.png", "map.png"]));
         let kind = |path: &str| own.kind(&path.split('/').collect::<Vec<_>>());
-        assert_eq!((kind("class.png"), kind("class.npy")), (Some(Kind::File), None));
-        assert_eq!((kind("report.json"), kind("working-3.png")), (Some(Kind::File), Some(Kind::File)));
-        assert_eq!((kind("map.zarr"), kind("map.zarr/class/c/0/0")), (Some(Kind::Folder), Some(Kind::File)));
+        assert_eq!((kind("class.png"), kind("class.npy")), (Some(EntryKind::File), None));
+        assert_eq!((kind("report.json"), kind("working-3.png")), (Some(EntryKind::File), Some(EntryKind::File)));
+        assert_eq!((kind("map.zarr"), kind("map.zarr/class/c/0/0")), (Some(EntryKind::Folder), Some(EntryKind::File)));
     }
 
     #[test]
     fn steps_are_a_partial_map_s_alone() {
         let own = own(true, None);
         for step in ["run.json", "progress.jsonl", "class.canvas", "overview-0.canvas", "class.npy", "found.bin"] {
-            assert_eq!(own.kind(&[step]), Some(Kind::File), "{step}");
+            assert_eq!(own.kind(&[step]), Some(EntryKind::File), "{step}");
         }
         assert_eq!((own.kind(&["notes.txt"]), own.kind(&["other.canvas"])), (None, None));
     }

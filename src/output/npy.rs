@@ -1,16 +1,18 @@
 //! One layer as a NumPy file, format version 1.0: rows from the bottom, C order, little endian.
 
-use super::raster::Raster;
+use super::raster::{Raster, RasterLayout};
 use crate::Result;
 use crate::grid::{Data, GridSpec, Layer};
 use std::path::Path;
 
 /// Opens the file of a layer of the grid.
 pub(super) fn open(path: &Path, grid: &GridSpec, data: &Data, resume: bool) -> Result<Raster> {
-    Raster::open(path, &header(grid, data), [grid.width, grid.height], size(data), false, resume)
+    let extent = [grid.width, grid.height];
+    let layout = RasterLayout { header: header(grid, data), extent, element: size(data), top_first: false };
+    Raster::open(path, layout, resume)
 }
 
-/// Bytes a value.
+/// Bytes of a value.
 pub(super) fn size(data: &Data) -> usize {
     match data {
         Data::F32(_) | Data::U32(_) => 4,
@@ -18,7 +20,7 @@ pub(super) fn size(data: &Data) -> usize {
     }
 }
 
-/// Values in little endian.
+/// The bytes of values, little endian.
 pub(super) fn bytes(data: &Data) -> Vec<u8> {
     match data {
         Data::F32(v) => v.iter().flat_map(|v| v.to_le_bytes()).collect(),
@@ -28,7 +30,7 @@ pub(super) fn bytes(data: &Data) -> Vec<u8> {
     }
 }
 
-/// A layer's fill value in little endian.
+/// The bytes of a layer's fill value, little endian.
 pub(super) fn fill(layer: &Layer) -> Vec<u8> {
     match layer.data {
         Data::F32(_) => (layer.fill as f32).to_le_bytes().into(),
@@ -38,7 +40,7 @@ pub(super) fn fill(layer: &Layer) -> Vec<u8> {
     }
 }
 
-/// Magic, version and a Python dict, padded so that the values start at a multiple of 64 bytes.
+/// The header: magic, version and a Python dict, padded so that the values start at a multiple of 64 bytes.
 fn header(grid: &GridSpec, data: &Data) -> Vec<u8> {
     let kind = match data {
         Data::F32(_) => "<f4",

@@ -10,30 +10,34 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-/// Wider or taller pictures are reduced, so that a viewer can open them.
-const LARGEST: usize = 4096;
-/// Of pictures that are kept, and of those that are looked at once.
+/// The longest side of a picture, pixels. Larger ones are reduced, so that a viewer can open them.
+const LONGEST_SIDE: usize = 4096;
+/// The compression of pictures that are kept.
 const BALANCED: DeflateCompression = DeflateCompression::Level(6);
+/// The compression of pictures that are shown once.
 const QUICK: DeflateCompression = DeflateCompression::Level(1);
-/// Palette entry 0: cells that no reading reached, and values that are no number.
+/// The colour of palette entry 0: cells that no reading reached, and values that are not a number.
 pub(crate) const UNTOUCHED: [u8; 3] = [168, 180, 196];
-/// The colour of class 0: cells that readings reached, and that are undecided.
+/// The colour of class 0: undecided cells that readings reached.
 pub(crate) const UNDECIDED: [u8; 3] = [128; 3];
-/// Palette entry of a signed scale's zero; entries 1 to 255 are the scale from low to high.
+/// The palette entry of a signed scale's zero; entries 1 to 255 are the scale from low to high.
 const MIDDLE: u8 = 128;
 
 /// Writes one layer of a map as a PNG. A picture of more than 4096 pixels a side is reduced by a power of two; a pixel then
 /// shows the cell of its block with the largest magnitude.
+///
+/// # Errors
+/// [`Error::Resources`](crate::Error::Resources) if it can't be written.
 pub fn write_picture(path: &Path, map: &Map, layer: &Layer) -> Result<()> {
-    let shown = Shown::of(map, layer).reduced(factor(&map.grid));
-    let mut pixels = shown.entries();
-    flip(&mut pixels, shown.extent[0]);
-    save(path, shown.extent, layer.scale, &pixels)
+    let values = PictureValues::of(map, layer).reduced(factor(&map.grid));
+    let mut pixels = values.entries();
+    flip(&mut pixels, values.extent[0]);
+    save(path, values.extent, layer.scale, &pixels)
 }
 
-/// By how much a grid's pictures are reduced: a power of two, so that no block lies in two chunks.
+/// The factor by which a grid's pictures are reduced: a power of two, so that no block lies in two chunks.
 pub(super) fn factor(grid: &GridSpec) -> usize {
-    grid.width.max(grid.height).div_ceil(LARGEST).next_power_of_two()
+    grid.width.max(grid.height).div_ceil(LONGEST_SIDE).next_power_of_two()
 }
 
 /// Columns and rows of a grid reduced by a factor.
@@ -41,17 +45,17 @@ pub(super) fn reduced(grid: &GridSpec, factor: usize) -> [usize; 2] {
     [grid.width.div_ceil(factor), grid.height.div_ceil(factor)]
 }
 
-/// A layer's values as a picture shows them, bottom row first; it can be reduced, half by half.
-pub(super) struct Shown {
+/// The values of a layer's picture, bottom row first.
+pub(super) struct PictureValues {
     extent: [usize; 2],
     scale: Scale,
-    /// Not a number where no reading reached.
+    /// NaN where no reading reached the cell.
     values: Vec<f32>,
 }
 
-impl Shown {
-    /// Of a layer in full.
-    pub fn of(map: &Map, layer: &Layer) -> Shown {
+impl PictureValues {
+    /// The values of a layer, a pixel for each cell.
+    pub fn of(map: &Map, layer: &Layer) -> PictureValues {
         let mut values: Vec<f32> = match &layer.data {
             Data::F32(v) => v.clone(),
             Data::U32(v) => v.par_iter().map(|v| *v as f32).collect(),
@@ -62,27 +66,27 @@ impl Shown {
         if let Some(Data::U8(touched)) = touched {
             values.par_iter_mut().zip(touched).for_each(|(v, seen)| *v = if *seen != 0 { *v } else { f32::NAN });
         }
-        Shown { extent: [map.grid.width, map.grid.height], scale: layer.scale, values }
+        PictureValues { extent: [map.grid.width, map.grid.height], scale: layer.scale, values }
     }
 
-    /// Half as many a side: each shows the strongest of four.
-    pub fn half(&self) -> Shown {
+    /// The values at half the size: each pixel shows the strongest of four.
+    pub fn half(&self) -> PictureValues {
         let (extent, values) = half(self.scale, self.extent, &self.values);
-        Shown { extent, scale: self.scale, values }
+        PictureValues { extent, scale: self.scale, values }
     }
 
-    /// Reduced by a power of two.
-    pub fn reduced(self, factor: usize) -> Shown {
-        (0..factor.trailing_zeros()).fold(self, |shown, _| shown.half())
+    /// The values reduced by a power of two.
+    pub fn reduced(self, factor: usize) -> PictureValues {
+        (0..factor.trailing_zeros()).fold(self, |values, _| values.half())
     }
 
-    /// Its palette entries.
+    /// The palette entries of the values.
     pub fn entries(&self) -> Vec<u8> {
         entries(self.scale, &self.values)
     }
 }
 
-/// Half as many values a side, rounded up, and their extent: each is the strongest of four. Not a number is none.
+/// Values at half the size, rounded up, and their extent: each is the strongest of four, NaN only if all four are.
 pub(crate) fn half(scale: Scale, [width, height]: [usize; 2], values: &[f32]) -> ([usize; 2], Vec<f32>) {
     let extent = [width.div_ceil(2), height.div_ceil(2)];
     let mut halved = vec![f32::NAN; extent[0] * extent[1]];
@@ -99,13 +103,13 @@ pub(crate) fn half(scale: Scale, [width, height]: [usize; 2], values: &[f32]) ->
     (extent, halved)
 }
 
-/// Values' palette entries; 0 where they are no number.
+/// The palette entries of values; 0 for NaN.
 pub(crate) fn entries(scale: Scale, values: &[f32]) -> Vec<u8> {
     values.par_iter().map(|v| if v.is_nan() { 0 } else { entry(scale, f64::from(*v)) }).collect()
 }
 
-/// Whether a block of cells shows this value rather than that: the larger magnitude, of equal ones what is occupied; of classes the
-/// lower one, as walls are thinner than what is free, and any rather than none.
+/// Whether a block of cells shows `value` rather than `than`. The larger magnitude is stronger, of equal ones the positive (occupied). Of
+/// classes the lower label is stronger, as walls are thinner than free space, and any label is stronger than none.
 fn stronger(scale: Scale, value: f32, than: f32) -> bool {
     match scale {
         Scale::Classes(_) => value != 0.0 && (than == 0.0 || value < than),
@@ -113,7 +117,7 @@ fn stronger(scale: Scale, value: f32, than: f32) -> bool {
     }
 }
 
-/// Turns rows upside down.
+/// Reverses the order of the rows.
 pub(crate) fn flip(pixels: &mut [u8], width: usize) {
     let rows = pixels.len() / width.max(1);
     for row in 0..rows / 2 {
@@ -122,7 +126,7 @@ pub(crate) fn flip(pixels: &mut [u8], width: usize) {
     }
 }
 
-/// A value's palette entry, 1 to 255.
+/// The palette entry of a value, 1 to 255.
 fn entry(scale: Scale, value: f64) -> u8 {
     match scale {
         Scale::Grey { low, high } | Scale::Heat { low, high } => {
@@ -133,13 +137,13 @@ fn entry(scale: Scale, value: f64) -> u8 {
     }
 }
 
-/// A value's colour on a scale.
+/// The colour of a value on a scale.
 pub(crate) fn colour(scale: Scale, value: f64) -> [u8; 3] {
     let (entry, palette) = (usize::from(entry(scale, value)), palette(scale));
     [palette[3 * entry], palette[3 * entry + 1], palette[3 * entry + 2]]
 }
 
-/// 256 colours: untouched, then the scale from low to high.
+/// The palette of a scale: 256 colours, first that of untouched cells, then the scale from low to high.
 fn palette(scale: Scale) -> Vec<u8> {
     let colour = |entry: u8| match scale {
         Scale::Grey { .. } => [255 - (entry - 1); 3],
@@ -167,7 +171,7 @@ pub(super) fn save(path: &Path, extent: [usize; 2], scale: Scale, pixels: &[u8])
     file.and_then(|file| encode(file, extent, BALANCED, scale, pixels)).map_err(|e| unwritable(path, e))
 }
 
-/// A picture's bytes, quickly made; entries with the top row first.
+/// Encodes a picture with fast compression. `pixels` are palette entries, top row first.
 pub(crate) fn picture(extent: [usize; 2], scale: Scale, pixels: &[u8]) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     encode(&mut bytes, extent, QUICK, scale, pixels)?;
@@ -199,7 +203,8 @@ mod tests {
     #[test]
     fn a_half_shows_the_strongest_of_four_and_of_equals_the_occupied() {
         let nan = f32::NAN;
-        let half = |scale, values: [f32; 6]| Shown { extent: [3, 2], scale, values: values.to_vec() }.half().entries();
+        let half =
+            |scale, values: [f32; 6]| PictureValues { extent: [3, 2], scale, values: values.to_vec() }.half().entries();
         let signed = Scale::Signed { limit: 1.0 };
         let of = |v: f32| entry(signed, f64::from(v));
         assert_eq!(half(signed, [-1.0, 1.0, nan, 0.5, -1.0, nan]), [of(1.0), 0]);

@@ -1,10 +1,10 @@
-//! One reading explained: a picture of its cone over the grid, and every number behind it, from the f64 reference.
+//! `working-N.png` and `working-N.json`: one reading explained by a picture of its cone over the grid, and by the numbers of the f64 oracle.
 //!
-//! `working-N.png` and `working-N.json`. The picture holds what the snapped cone holds: a cell is coloured if its centre
-//! lies inside the outline that is drawn, blue where the reading frees it, red where it takes it for occupied.
+//! The picture draws the snapped cone: a cell is coloured if its centre lies inside the outline, blue where the reading frees it, red where
+//! it takes it for occupied.
 
 mod canvas;
-mod outline;
+mod cone_outline;
 mod picture;
 
 use super::names::{WORKING, WORKING_PICTURE};
@@ -12,32 +12,33 @@ use super::report::{parameters, tidy};
 use super::unwritable;
 use crate::grid::{GridSpec, Map};
 use crate::log::reading::{Outcome, Pose, Reading};
-use crate::method::settings::{Order, Settings};
+use crate::method::Method;
+use crate::method::settings::Settings;
 use crate::oracle::{self, CellTrace, ReadingTrace, Region};
 use crate::sensor::{Kind, Sensor};
 use crate::{Error, Result, method};
-pub(crate) use outline::Outline;
-use outline::Snapped;
-use picture::{Layout, Panel};
+pub(crate) use cone_outline::ConeOutline;
+use cone_outline::SnappedCone;
+use picture::{Drawing, Layout, Panel};
 use serde::Serialize;
 use serde_json::{Map as Object, Value};
 use std::path::{Path, PathBuf};
 
-/// The file's first part; the cells follow, one a line.
+/// The first part of the JSON file; the cells follow, one per line.
 #[derive(Serialize)]
-struct Head<'a> {
+struct WorkingHeader<'a> {
     reading: ReadingInfo<'a>,
     method: &'static str,
     parameters: Object<String, Value>,
     grid: GridInfo,
-    snapped: Snapped,
-    /// Cells that the reading frees.
+    snapped: SnappedCone,
+    /// The number of cells that the reading frees.
     interior_cells: usize,
-    /// Cells on its arc: 0 for a missing echo.
+    /// The number of cells on its arc: 0 for a missing echo.
     arc_cells: usize,
-    /// n: the arc cells, of a missing echo those that it would have.
+    /// n: the number of arc cells; for a missing echo the number that an echo would have.
     n: usize,
-    /// What `own` is.
+    /// The meaning of `own`.
     own_is: &'static str,
     /// Σ of the cancelled evidence over the arc (certainty).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -83,60 +84,64 @@ struct CellInfo {
     d: f64,
     theta: f64,
     own: f64,
-    /// Certainty alone has these steps.
+    /// For a method that normalises evidence alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     cancelled: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     normalised: Option<f64>,
 }
 
-/// Writes `working-N.png` and `working-N.json` of used reading `number` (from 1) into a folder that exists, and returns
-/// their paths, the picture first.
-///
-/// `wedges` is for the laser truth alone, one pair (left, right) a reading: see [`oracle::map`]. `map` is the map before
-/// the reading, shown grey behind the cone; it must be on the same grid.
+/// The reading to explain, and what it depends on.
+#[derive(Debug, Clone, Copy)]
+pub struct WorkingRequest<'a> {
+    /// The grid.
+    pub grid: &'a GridSpec,
+    /// The log's sensors.
+    pub sensors: &'a [Sensor],
+    /// The used readings of the log.
+    pub readings: &'a [Reading],
+    /// The method and its parameters.
+    pub settings: &'a Settings,
+    /// For the laser truth the bearings (left, right) of each reading's wedge, radians: see [`oracle::map`].
+    pub wedges: Option<&'a [(f64, f64)]>,
+    /// The number of the reading, from 1.
+    pub number: usize,
+    /// The map before the reading, on the same grid, to be shown grey behind the cone.
+    pub map: Option<&'a Map>,
+}
+
+/// Writes `working-N.png` and `working-N.json` of used reading N into a folder that exists, and returns their paths, the picture first.
 ///
 /// # Errors
 /// [`Error::Usage`] if there is no such reading, or it can't be mapped; [`Error::Resources`] if a file can't be written.
-#[expect(clippy::too_many_arguments, reason = "what a map needs, the reading and where to")]
-pub fn write_working(
-    folder: &Path,
-    grid: &GridSpec,
-    sensors: &[Sensor],
-    readings: &[Reading],
-    settings: &Settings,
-    wedges: Option<&[(f64, f64)]>,
-    number: usize,
-    map: Option<&Map>,
-) -> Result<[PathBuf; 2]> {
+pub fn write_working(folder: &Path, request: &WorkingRequest) -> Result<[PathBuf; 2]> {
+    let WorkingRequest { grid, sensors, readings, settings, wedges, number, map } = *request;
     let Some(reading) = number.checked_sub(1).and_then(|k| readings.get(k)) else {
-        return Err(none(number, readings.len()));
+        return Err(no_such_reading(number, readings.len()));
     };
     if map.is_some_and(|m| m.grid != *grid) {
         return Err(Error::Usage("the map behind the working view is on another grid than the reading".into()));
     }
-    // All that stand before it count, and in the 1985 order those after it too.
-    let whole = matches!(settings, Settings::Certainty(c) if c.order == Order::Batch);
-    let until = if whole { readings.len() } else { number };
+    let method = method::make(*settings);
+    // The readings before it count; with several sweeps over the log those after it, too.
+    let until = if method.sweeps().len() > 1 { readings.len() } else { number };
     let trace = oracle::trace(&oracle::Setup { grid, sensors, settings }, &readings[..until], wedges, number - 1)?;
     let Some(sensor) = sensors.get(reading.record.sensor as usize) else {
         return Err(Error::Usage(format!("the reading of line {} names no sensor", reading.record.line)));
     };
-    let method = method::make(*settings);
     let wedge = wedges.and_then(|w| w.get(number - 1).copied());
-    let (outline, snapped) = Outline::of(grid, sensor, reading, method.footprint(), wedge)?;
+    let (outline, snapped) = ConeOutline::of(grid, sensor, reading, method.footprint(), wedge)?;
     let weigh = weigher(settings);
-    let panels = panels(settings, reading);
+    let panels = panels(method.as_ref(), reading);
     let layout = Layout::of(&outline, &trace, &panels, &weigh);
     let paths = [WORKING_PICTURE, WORKING].map(|name| folder.join(name.of(number)));
-    picture::draw(grid, &outline, &trace, &layout, &weigh, map)
-        .save(&paths[0])
-        .map_err(|e| unwritable(&paths[0], e))?;
-    let steps = matches!(settings, Settings::Certainty(_));
+    let drawing = Drawing { grid, outline: &outline, trace: &trace, layout: &layout, weigh: &weigh, map };
+    drawing.draw().save(&paths[0]).map_err(|e| unwritable(&paths[0], e))?;
+    let steps = method.evidence().normalised;
     let is_arc = |c: &&CellTrace| c.update.region == Region::Arc;
     let arc_cells = trace.cells.iter().filter(is_arc).count();
-    let head = Head {
-        reading: about(number, reading, sensor),
+    let header = WorkingHeader {
+        reading: reading_info(number, reading, sensor),
         method: method::name(method.as_ref()),
         parameters: parameters(settings.values()),
         grid: GridInfo {
@@ -154,38 +159,36 @@ pub fn write_working(
         sum: steps.then_some(trace.sum),
         picture: &layout,
     };
-    let save = || -> std::io::Result<()> { std::fs::write(&paths[1], text(grid, &head, &trace, steps)?) };
+    let save = || -> std::io::Result<()> { std::fs::write(&paths[1], text(grid, &header, &trace, steps)?) };
     save().map_err(|e| unwritable(&paths[1], e))?;
     Ok(paths)
 }
 
-/// The error about a number that is no reading's.
-fn none(number: usize, readings: usize) -> Error {
+/// The error about a number that no reading has.
+fn no_such_reading(number: usize, readings: usize) -> Error {
     Error::Usage(match readings {
         0 => format!("`working {number}`: the log has no reading that is used"),
         _ => format!("`working {number}`: the log has {readings} readings that are used; give 1 to {readings}"),
     })
 }
 
-/// How strong a value of a method is, 0 or more: what its shade shows.
+/// The strength of a value of a method's evidence, 0 or more, which its shade shows.
 pub(crate) fn weigher(settings: &Settings) -> fn(f64) -> f64 {
-    match settings {
-        Settings::Bayes(_) | Settings::Features(_) => |p| (2.0 * p - 1.0).abs(),
-        _ => f64::abs,
+    match method::make(*settings).evidence().probability {
+        true => |p| (2.0 * p - 1.0).abs(),
+        false => f64::abs,
     }
 }
 
-/// What the picture shows side by side: only a certainty grid's hit has steps between.
-fn panels(settings: &Settings, reading: &Reading) -> Vec<Panel> {
-    match settings {
-        Settings::Certainty(_) if reading.outcome == Outcome::Hit => {
-            vec![Panel::Own, Panel::Cancelled, Panel::Normalised]
-        }
-        _ => vec![Panel::Own],
+/// The panels of the picture, side by side: cancelled and normalised evidence are shown of a hit alone.
+fn panels(method: &dyn Method, reading: &Reading) -> Vec<Panel> {
+    match method.evidence().normalised && reading.outcome == Outcome::Hit {
+        true => vec![Panel::Own, Panel::Cancelled, Panel::Normalised],
+        false => vec![Panel::Own],
     }
 }
 
-fn about<'a>(number: usize, reading: &Reading, sensor: &'a Sensor) -> ReadingInfo<'a> {
+fn reading_info<'a>(number: usize, reading: &Reading, sensor: &'a Sensor) -> ReadingInfo<'a> {
     let record = &reading.record;
     let place = |p: Pose| [p.x, p.y, p.heading];
     ReadingInfo {
@@ -204,22 +207,14 @@ fn about<'a>(number: usize, reading: &Reading, sensor: &'a Sensor) -> ReadingInf
     }
 }
 
-/// What a reading's own evidence is, by method.
+/// The meaning of a reading's own evidence by a method.
 pub(crate) fn own_is(settings: &Settings) -> &'static str {
-    match settings {
-        Settings::Certainty(_) => "certainty: Emp_k in the interior, Occ_k on the arc",
-        Settings::DempsterShafer(_) => "mass: of empty in the interior, of full on the arc",
-        Settings::Bayes(_) => "P(s|occupied)",
-        Settings::Himm(_) => "step of the count: -1 before the hit, +3 at it",
-        Settings::Truth => "count: 1 pass in the interior, 1 hit on the arc",
-        Settings::Csm(_) => "what the beam that the cell takes gives to its α",
-        Settings::Features(_) => "P(occupied) that the update says, its parts together",
-    }
+    method::make(*settings).evidence().about
 }
 
-/// The JSON: the head over many lines, then a line a cell; `steps`: with the evidence cancelled and normalised.
-fn text(grid: &GridSpec, head: &Head, trace: &ReadingTrace, steps: bool) -> std::io::Result<Vec<u8>> {
-    let mut text = serde_json::to_vec_pretty(head)?;
+/// The text of the JSON file: the header over many lines, then one line per cell. `steps`: with the cancelled and the normalised evidence.
+fn text(grid: &GridSpec, header: &WorkingHeader, trace: &ReadingTrace, steps: bool) -> std::io::Result<Vec<u8>> {
+    let mut text = serde_json::to_vec_pretty(header)?;
     text.truncate(text.len() - "\n}".len());
     text.extend(b",\n  \"cells\": [");
     for (k, CellTrace { update, own, cancelled, normalised }) in trace.cells.iter().enumerate() {

@@ -1,11 +1,11 @@
 //! `map.zarr`: every layer as a Zarr version 3 array that Python, Julia and JavaScript open, with the cell centres in
 //! metres beside them; `read` reads it back.
 //!
-//! A shard is 1024 × 1024 cells in inner chunks of 256 × 256. Chunks wholly of the fill value are not stored: a huge map
+//! A shard is 1024 × 1024 cells in inner chunks of 256 × 256. ChunkStates wholly of the fill value are not stored: a huge map
 //! costs what was seen of it. One writer a shard: two would lose each other's chunks silently.
 
 use super::png::reduced;
-use super::{RunInfo, unwritable};
+use super::{MapSchema, RunInfo, unwritable};
 use crate::Result;
 use crate::grid::{Data, GridSpec, Layer, Map, Scale};
 use rayon::prelude::*;
@@ -25,20 +25,20 @@ mod read;
 mod stored;
 
 pub(crate) use piece::Pieces;
-pub(super) use read::Reader;
+pub(super) use read::StoreReader;
 pub use read::{StoredMap, read_map};
 pub(crate) use stored::{Stored, StoredLayer};
 
 const SHARD: usize = 1024;
 const CHUNK: usize = 256;
-/// Cells of x or y a chunk: one file each up to this size.
+/// The cells of a chunk of the arrays x and y.
 const AXIS: usize = 1 << 16;
 
-/// Any of zarrs's errors: they all become one message.
+/// Any error of zarrs.
 pub(super) type Cause = Box<dyn std::error::Error + Send + Sync>;
 pub(super) type Tried<T> = std::result::Result<T, Cause>;
 
-/// A store under way: its arrays are there, chunks come one by one.
+/// A store that is being written: its arrays exist, its chunks come one by one.
 pub(super) struct Store {
     path: PathBuf,
     grid: GridSpec,
@@ -48,27 +48,31 @@ pub(super) struct Store {
 }
 
 impl Store {
-    /// Makes the arrays of a grid's layers (`heads` hold no values), and those of the overview's levels.
-    pub fn open(path: &Path, grid: &GridSpec, heads: &[Layer], combined: &Layer, levels: usize) -> Result<Store> {
-        Store::make(path, grid, heads, combined, levels).map_err(|e| unwritable(path, e))
+    /// Creates the arrays of a map's layers and of so many levels of the overview.
+    ///
+    /// # Errors
+    /// [`Error::Resources`](crate::Error::Resources) if they can't be written.
+    pub fn open(path: &Path, schema: &MapSchema, levels: usize) -> Result<Store> {
+        Store::create(path, schema, levels).map_err(|e| unwritable(path, e))
     }
 
-    fn make(path: &Path, grid: &GridSpec, heads: &[Layer], combined: &Layer, levels: usize) -> Tried<Store> {
+    fn create(path: &Path, schema: &MapSchema, levels: usize) -> Tried<Store> {
+        let (grid, combined) = (&schema.grid, &schema.combined);
         let store = Arc::new(FilesystemStore::new(path)?);
         write_axis(&store, "x", grid.width, |k| grid.centre(k, 0).0)?;
         write_axis(&store, "y", grid.height, |k| grid.centre(0, k).1)?;
-        let layer = |head: &Layer| match head.data {
-            Data::F32(_) => array(&store, grid, head, data_type::float32(), (head.fill as f32).into()),
-            Data::U32(_) => array(&store, grid, head, data_type::uint32(), (head.fill as u32).into()),
-            Data::U8(_) => array(&store, grid, head, data_type::uint8(), (head.fill as u8).into()),
-            Data::I8(_) => array(&store, grid, head, data_type::int8(), (head.fill as i8).into()),
+        let create = |layer: &Layer| match layer.data {
+            Data::F32(_) => array(&store, grid, layer, data_type::float32(), (layer.fill as f32).into()),
+            Data::U32(_) => array(&store, grid, layer, data_type::uint32(), (layer.fill as u32).into()),
+            Data::U8(_) => array(&store, grid, layer, data_type::uint8(), (layer.fill as u8).into()),
+            Data::I8(_) => array(&store, grid, layer, data_type::int8(), (layer.fill as i8).into()),
         };
-        let layers = heads.iter().map(layer).collect::<Tried<_>>()?;
+        let layers = schema.layers.iter().map(create).collect::<Tried<_>>()?;
         let level = |k: usize| {
             let [width, height] = reduced(grid, 1 << k);
             let grid = GridSpec { width, height, ..*grid };
-            let head = Layer { name: format!("{OVERVIEW}/{k}"), data: Data::U8(Vec::new()), ..combined.clone() };
-            array(&store, &grid, &head, data_type::uint8(), 0u8.into())
+            let layer = Layer { name: format!("{OVERVIEW}/{k}"), data: Data::U8(Vec::new()), ..combined.clone() };
+            array(&store, &grid, &layer, data_type::uint8(), 0u8.into())
         };
         GroupBuilder::new()
             .attributes(multiscales(grid, combined, levels))
@@ -78,7 +82,7 @@ impl Store {
         Ok(Store { path: path.into(), grid: *grid, store, layers, overview })
     }
 
-    /// Writes a chunk's part of every layer, a shard each; what is all fill is not stored.
+    /// Writes a chunk's part of every layer, each as a shard. Inner chunks of fill values are not stored.
     pub fn chunk(&self, [row, column]: [u32; 2], part: &Map) -> Result<()> {
         let at = [u64::from(row), u64::from(column)];
         let shard = |(array, layer): (&Array<FilesystemStore>, &Layer)| -> Tried<()> {
@@ -94,7 +98,7 @@ impl Store {
         pairs.into_par_iter().try_for_each(shard).map_err(|e| unwritable(&self.path, e))
     }
 
-    /// Writes a shard of an overview's level: palette entries, rows from the bottom.
+    /// Writes a shard of a level of the overview: palette entries, bottom row first.
     pub fn overview(&self, level: usize, [row, column]: [u32; 2], entries: &[u8]) -> Result<()> {
         let [width, height] = reduced(&self.grid, 1 << level);
         let size = |all: usize, first: u32| SHARD.min(all - first as usize * SHARD);
@@ -103,7 +107,7 @@ impl Store {
         self.overview[level].store_chunk(&at, padded(&grid, entries, 0u8)).map_err(|e| unwritable(&self.path, e))
     }
 
-    /// Writes the store's attributes, the last thing.
+    /// Writes the attributes of the store, which completes it.
     pub fn close(self, attributes: Object<String, Value>) -> Result<()> {
         let write = || -> Tried<()> {
             GroupBuilder::new().attributes(attributes).build(self.store.clone(), "/")?.store_metadata()?;
@@ -113,10 +117,10 @@ impl Store {
     }
 }
 
-/// Group of the combined layer's levels.
+/// The group of the combined layer's levels.
 const OVERVIEW: &str = "overview";
 
-/// The levels as OME-NGFF 0.5 describes a multiscale image, and what an entry is.
+/// The attributes of the overview: its levels as a multiscale image of OME-NGFF 0.5, and the meaning of an entry.
 fn multiscales(grid: &GridSpec, combined: &Layer, levels: usize) -> Object<String, Value> {
     let axis = |name: &str| json!({"name": name, "type": "space", "unit": "meter"});
     let level = |k: usize| {
@@ -141,12 +145,12 @@ fn multiscales(grid: &GridSpec, combined: &Layer, levels: usize) -> Object<Strin
     }
 }
 
-/// The store's own attributes, but for what is known at the end.
-pub(super) fn attributes(grid: &GridSpec, method: &str, heads: &[Layer], info: &RunInfo) -> Object<String, Value> {
-    let GridSpec { anchor, resolution, i0, j0, width, height } = grid;
-    let names: Vec<&str> = heads.iter().map(|l| l.name.as_str()).collect();
+/// The attributes of the store, without those that are known only at the end.
+pub(super) fn attributes(schema: &MapSchema, info: &RunInfo) -> Object<String, Value> {
+    let GridSpec { anchor, resolution, i0, j0, width, height } = &schema.grid;
+    let names: Vec<&str> = schema.layers.iter().map(|l| l.name.as_str()).collect();
     let mut all = json!({
-        "method": method,
+        "method": schema.method,
         "parameters": info.parameters,
         "log_sha256": info.log.sha256,
         "resolution": resolution,
@@ -165,7 +169,7 @@ pub(super) fn attributes(grid: &GridSpec, method: &str, heads: &[Layer], info: &
     }
 }
 
-/// What every array has in common: zstd, a checksum, and the same bytes for the same values.
+/// Builds an array with the codecs of every array: zstd and a checksum; equal values give equal bytes.
 fn finish(builder: &mut ArrayBuilder, store: &Arc<FilesystemStore>, name: &str) -> Tried<Array<FilesystemStore>> {
     let codecs: Vec<Arc<dyn BytesToBytesCodecTraits>> =
         vec![Arc::new(ZstdCodec::new(1, false)), Arc::new(Crc32cCodec::new())];
@@ -178,7 +182,7 @@ fn finish(builder: &mut ArrayBuilder, store: &Arc<FilesystemStore>, name: &str) 
     Ok(array)
 }
 
-/// Cell centres along one axis, metres.
+/// Writes the centres of the cells along one axis, metres.
 fn write_axis(store: &Arc<FilesystemStore>, name: &str, cells: usize, centre: impl Fn(usize) -> f64) -> Tried<()> {
     let chunk = cells.min(AXIS);
     let fill = FillValue::from(f64::NAN);
@@ -197,35 +201,35 @@ fn write_axis(store: &Arc<FilesystemStore>, name: &str, cells: usize, centre: im
     Ok(())
 }
 
-/// An array of a layer: shards of 1024 × 1024 cells.
+/// Creates the array of a layer, in shards of 1024 × 1024 cells.
 fn array(
     store: &Arc<FilesystemStore>,
     grid: &GridSpec,
-    head: &Layer,
+    layer: &Layer,
     kind: DataType,
     fill: FillValue,
 ) -> Tried<Array<FilesystemStore>> {
     let shape = vec![grid.height as u64, grid.width as u64];
     let mut builder = ArrayBuilder::new(shape, vec![SHARD as u64; 2], kind, fill);
     builder.subchunk_shape(vec![CHUNK as u64; 2]).dimension_names(Some(["y", "x"]));
-    let (scale, ends) = match head.scale {
+    let (scale, ends) = match layer.scale {
         Scale::Grey { low, high } => ("grey", [low, high]),
         Scale::Signed { limit } => ("signed", [-limit, limit]),
         Scale::Heat { low, high } => ("heat", [low, high]),
         Scale::Classes(palette) => ("classes", [0.0, palette.colours().len() as f64]),
     };
-    if let Scale::Classes(palette) = head.scale {
+    if let Scale::Classes(palette) = layer.scale {
         builder.attributes_mut().insert("class_colours".into(), json!(palette.colours()));
     }
     builder.attributes_mut().extend([
-        ("long_name".into(), json!(head.about)),
+        ("long_name".into(), json!(layer.about)),
         ("scale".into(), json!(scale)),
         ("colour_range".into(), json!(ends)),
     ]);
-    finish(&mut builder, store, &head.name)
+    finish(&mut builder, store, &layer.name)
 }
 
-/// One shard's values; beyond the grid's edge the fill value.
+/// The values of one shard, padded with the fill value beyond the grid's edge.
 fn padded<T: Copy>(part: &GridSpec, values: &[T], fill: T) -> Vec<T> {
     let mut shard = vec![fill; SHARD * SHARD];
     for (line, row) in shard.chunks_exact_mut(SHARD).zip(values.chunks_exact(part.width)) {

@@ -1,29 +1,29 @@
-//! Taking the layers out of the cells' words, or out of the oracle's values: the same layers for every backend.
+//! Makes the layers of a map from the cells' words, or from the oracle's values: the same layers for every backend.
 
 use crate::geometry::layout::{CHUNK, TILE, TILE_CELLS};
 use crate::grid::{Class, Data, GridSpec, Layer, Map, Scale};
 use crate::kernels::ChunkStates;
 use crate::method::{self, Method, Unit, add};
 use crate::oracle::OracleMap;
-use crate::pipeline::finished::{Finished, Visits};
+use crate::pipeline::finished::{CellVisits, FinishedMap};
 use rayon::prelude::*;
 
-/// Layers under way: every cell untouched.
-struct Layers<'a> {
+/// The layers of a map while they are filled; cells start untouched.
+struct LayerBuilder<'a> {
     grid: &'a GridSpec,
     method: &'a dyn Method,
     values: Vec<Vec<f32>>,
     combined: Vec<f32>,
     touched: Vec<u8>,
     class: Vec<i8>,
-    visits: Visits,
+    visits: CellVisits,
     increments: Vec<f64>,
 }
 
-impl<'a> Layers<'a> {
+impl<'a> LayerBuilder<'a> {
     fn new(grid: &'a GridSpec, method: &'a dyn Method) -> Self {
         let cells = grid.cells();
-        Layers {
+        LayerBuilder {
             grid,
             method,
             values: method.layers().iter().map(|s| vec![s.fill; cells]).collect(),
@@ -31,7 +31,7 @@ impl<'a> Layers<'a> {
             touched: vec![0; cells],
             class: vec![0; cells],
             increments: Vec::new(),
-            visits: Visits {
+            visits: CellVisits {
                 interior: vec![0; cells],
                 arc: vec![0; cells],
                 marks: vec![0; if method.marks().is_some() { cells } else { 0 }],
@@ -39,16 +39,16 @@ impl<'a> Layers<'a> {
         }
     }
 
-    /// Every so many rows of cells by themselves.
-    fn bands(&mut self, rows: usize) -> Vec<Band<'_>> {
+    /// Splits the layers into bands of so many rows of cells, to be filled in parallel.
+    fn row_bands(&mut self, rows: usize) -> Vec<RowBand<'_>> {
         let cells = (rows * self.grid.width).max(1);
         let count = self.combined.len().div_ceil(cells);
         let mut values: Vec<_> = self.values.iter_mut().map(|layer| layer.chunks_mut(cells)).collect();
         let mut combined = self.combined.chunks_mut(cells);
         let (mut touched, mut class) = (self.touched.chunks_mut(cells), self.class.chunks_mut(cells));
-        let Visits { interior, arc, marks } = &mut self.visits;
+        let CellVisits { interior, arc, marks } = &mut self.visits;
         let mut visits = [interior, arc, marks].map(|counts| counts.chunks_mut(cells));
-        let band = |_| Band {
+        let band = |_| RowBand {
             method: self.method,
             values: values.iter_mut().map(|layer| layer.next().unwrap_or_default()).collect(),
             combined: combined.next().unwrap_or_default(),
@@ -59,7 +59,7 @@ impl<'a> Layers<'a> {
         (0..count).map(band).collect()
     }
 
-    fn finish(self) -> Finished {
+    fn finish(self) -> FinishedMap {
         let (visits, increments) = (self.visits, self.increments);
         let updates = visits.interior.iter().chain(&visits.arc).map(|n| u64::from(*n)).sum();
         let data = |integer: bool, values: Vec<f32>| match integer {
@@ -71,7 +71,7 @@ impl<'a> Layers<'a> {
             .collect();
         layers.extend(touched_and_class(self.touched, self.class));
         let combined = "-1 surely empty to 1 surely occupied";
-        Finished {
+        FinishedMap {
             map: Map { grid: *self.grid, method: method::name(self.method).into(), layers, updates, increments },
             combined: layer("combined", combined, Data::F32(self.combined), 0.0, SIGNED),
             visits,
@@ -81,8 +81,8 @@ impl<'a> Layers<'a> {
 
 const SIGNED: Scale = Scale::Signed { limit: 1.0 };
 
-/// Some rows of the layers under way.
-struct Band<'a> {
+/// Consecutive rows of all layers.
+struct RowBand<'a> {
     method: &'a dyn Method,
     values: Vec<&'a mut [f32]>,
     combined: &'a mut [f32],
@@ -92,16 +92,16 @@ struct Band<'a> {
     visits: [&'a mut [u32]; 3],
 }
 
-impl Band<'_> {
-    /// Sets a touched cell, counted from the band's first.
+impl RowBand<'_> {
+    /// Sets the touched cell `k`, counted from the band's first. `visits`: its interior updates, arc updates and marks.
     fn set(&mut self, k: usize, visits: [u32; 3], values: &[f32], class: Class) {
         self.touched[k] = 1;
         self.class[k] = class as i8;
         self.combined[k] = self.method.combined(values, class);
         for (counts, count) in self.visits.iter_mut().zip(visits) {
-            // A method without marks has no room for them.
-            if let Some(place) = counts.get_mut(k) {
-                *place = count;
+            // A method without marks has no vector for them.
+            if let Some(entry) = counts.get_mut(k) {
+                *entry = count;
             }
         }
         for (layer, value) in self.values.iter_mut().zip(values) {
@@ -114,7 +114,7 @@ fn layer(name: &str, about: &'static str, data: Data, fill: f64, scale: Scale) -
     Layer { name: name.into(), about, data, fill, scale }
 }
 
-/// The two layers of every map.
+/// The layers `touched` and `class`, which every map has.
 fn touched_and_class(touched: Vec<u8>, class: Vec<i8>) -> [Layer; 2] {
     let flag = Scale::Grey { low: 0.0, high: 1.0 };
     let about = "1 occupied, 0 unknown, -1 empty, by the method's decision rule";
@@ -124,14 +124,14 @@ fn touched_and_class(touched: Vec<u8>, class: Vec<i8>) -> [Layer; 2] {
     ]
 }
 
-/// A method's layers without values, and its combined layer.
-pub fn heads(method: &dyn Method) -> (Vec<Layer>, Layer) {
+/// The layers of a method and its combined layer, without values.
+pub fn schemas(method: &dyn Method) -> (Vec<Layer>, Layer) {
     let grid = GridSpec { anchor: (0.0, 0.0), resolution: 1.0, i0: 0, j0: 0, width: 0, height: 0 };
-    let empty = Layers::new(&grid, method).finish();
+    let empty = LayerBuilder::new(&grid, method).finish();
     (empty.map.layers, empty.combined)
 }
 
-/// The map of classes alone, such as a world's true map; a cell of known class counts as touched.
+/// Makes a map of classes alone, such as the true map of a world. A cell of known class counts as touched.
 pub fn of_classes(grid: GridSpec, method: &str, class: Vec<i8>) -> Map {
     let touched = class.iter().map(|c| u8::from(*c != 0)).collect();
     Map {
@@ -143,28 +143,35 @@ pub fn of_classes(grid: GridSpec, method: &str, class: Vec<i8>) -> Map {
     }
 }
 
-/// The map of a kernel's chunks.
-pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &ChunkStates) -> Finished {
-    let mut layers = Layers::new(grid, method);
-    let bands = layers.bands(TILE).into_par_iter().enumerate();
-    let gains: Vec<Vec<f64>> = bands.map(|(row, band)| fill(grid, method, chunks, row, band)).collect();
+/// Makes the map of the chunks of a kernel.
+pub fn from_chunks(grid: &GridSpec, method: &dyn Method, chunks: &ChunkStates) -> FinishedMap {
+    let mut layers = LayerBuilder::new(grid, method);
+    let bands = layers.row_bands(TILE).into_par_iter().enumerate();
+    let gains: Vec<Vec<f64>> = bands.map(|(row, band)| fill_tile_row(grid, method, chunks, row, band)).collect();
     let mut increments = Vec::new();
     gains.iter().for_each(|gains| add(gains, &mut increments));
     layers.increments = increments;
     layers.finish()
 }
 
-/// Fills a row of tiles; what its cells' α gained.
-fn fill(grid: &GridSpec, method: &dyn Method, chunks: &ChunkStates, row: usize, mut band: Band) -> Vec<f64> {
+/// Fills the band of a row of tiles; returns the sums of what its cells' α gained.
+fn fill_tile_row(
+    grid: &GridSpec,
+    method: &dyn Method,
+    chunks: &ChunkStates,
+    row: usize,
+    mut band: RowBand,
+) -> Vec<f64> {
     let mut cell = vec![0u32; method::planes(method)];
     let mut values = vec![0f32; method.layers().len()];
-    let (faint, words, mut gains) = (method.unit() == Unit::Scan, method::tile_words(method), Vec::new());
+    // Scans touch cells with evidence that is too small to count as an update.
+    let (subthreshold, words, mut gains) = (method.unit() == Unit::Scan, method::tile_words(method), Vec::new());
     let rows = TILE.min(grid.height - row * TILE);
     let chunk_row = (row / CHUNK) as u32;
     for (place, state) in chunks.range([chunk_row, 0]..=[chunk_row, u32::MAX]) {
         let tiles = state.chunks_exact(words).skip(row % CHUNK * CHUNK).take(CHUNK);
         for (column, tile) in tiles.enumerate() {
-            if faint && tile.iter().all(|word| *word == 0) {
+            if subthreshold && tile.iter().all(|word| *word == 0) {
                 continue;
             }
             let x0 = (place[1] as usize * CHUNK + column) * TILE;
@@ -172,7 +179,7 @@ fn fill(grid: &GridSpec, method: &dyn Method, chunks: &ChunkStates, row: usize, 
                 for x in x0..(x0 + TILE).min(grid.width) {
                     let at = y * TILE + x - x0;
                     let updated = tile[at] + tile[TILE_CELLS + at] > 0;
-                    if !updated && !faint {
+                    if !updated && !subthreshold {
                         continue;
                     }
                     for (p, word) in cell.iter_mut().enumerate() {
@@ -192,11 +199,12 @@ fn fill(grid: &GridSpec, method: &dyn Method, chunks: &ChunkStates, row: usize, 
     gains
 }
 
-/// The map of the oracle's values.
-pub fn from_oracle(oracle: &OracleMap, method: &dyn Method) -> Finished {
-    let mut layers = Layers::new(&oracle.grid, method);
+/// Makes the map of the oracle's values.
+pub fn from_oracle(oracle: &OracleMap, method: &dyn Method) -> FinishedMap {
+    let mut layers = LayerBuilder::new(&oracle.grid, method);
     let mut increments = Vec::new();
-    let mut bands = layers.bands(oracle.grid.height);
+    let mut bands = layers.row_bands(oracle.grid.height);
+    // One band holds all rows; a grid without cells has none.
     let Some(band) = bands.first_mut() else { return layers.finish() };
     for k in 0..oracle.grid.cells() {
         if oracle.is_touched(k) {

@@ -18,11 +18,13 @@ use echogrid::log::reading::{Counts, Reading};
 use echogrid::method::settings::{Csm, Settings};
 use echogrid::method::{self, Method, Step, Unit};
 use echogrid::oracle::{self, OracleMap};
-use echogrid::pipeline::finished::{Finished, Visits};
+use echogrid::pipeline::batching::BatchStatistics;
+use echogrid::pipeline::finished::{CellVisits, FinishedMap};
 use echogrid::pipeline::layers;
-use echogrid::pipeline::mapper::{Item, Mapper, Work};
-use echogrid::pipeline::out_of_core::Scanned;
-use echogrid::pipeline::updates;
+use echogrid::pipeline::mapper::Mapper;
+use echogrid::pipeline::readings::ReadingInput;
+use echogrid::pipeline::scans::{ChunkedScans, Spill};
+use echogrid::pipeline::updates::Updater;
 use echogrid::sensor::Sensor;
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -35,7 +37,7 @@ pub struct Scene {
     pub name: String,
     pub grid: GridSpec,
     pub sensors: Vec<Sensor>,
-    pub items: Vec<Item>,
+    pub items: Vec<ReadingInput>,
     /// What features made of the items, one of each; none: updates of which no feature is known.
     pub updates: Vec<Update>,
 }
@@ -43,9 +45,9 @@ pub struct Scene {
 /// What a backend made of a scene.
 pub struct Run {
     pub map: Map,
-    pub visits: Visits,
+    pub visits: CellVisits,
     pub counts: Counts,
-    pub work: Work,
+    pub statistics: BatchStatistics,
 }
 
 impl Scene {
@@ -76,22 +78,23 @@ impl Scene {
 
     fn update(&self, method: &dyn Method, backend: &mut dyn Backend, batch: usize) -> Run {
         let updates = self.updates().into_iter().map(Ok);
-        let (counts, work) =
-            updates::apply(&self.grid, &self.sensors, method, backend, batch, updates, &|_| {}).unwrap();
-        let Finished { map, visits, .. } = layers::from_chunks(&self.grid, method, &backend.finish(method).unwrap());
-        Run { map, visits, counts, work }
+        let mut updater = Updater::new(&self.grid, &self.sensors, method, backend, batch);
+        updater.apply(updates, &|_| {}).unwrap();
+        let (counts, statistics) = (updater.counts, updater.statistics);
+        let FinishedMap { map, visits, .. } = layers::from_chunks(&self.grid, method, &backend.finish(method).unwrap());
+        Run { map, visits, counts, statistics }
     }
 
     fn count(&self, csm: Csm, method: &dyn Method, backend: &mut dyn Backend, batch: usize) -> Run {
-        let (scans, here) = (self.scans(&csm), std::env::temp_dir());
+        let (scans, selection) = (self.scans(&csm), csm.selection(self.grid.resolution));
         // So little memory that beams are spilled with small batches.
         let memory = if batch < 100 { 0 } else { u64::MAX };
         let scans = scans.into_iter().map(Ok);
-        let scanned =
-            Scanned::read(&self.grid, csm.selection(self.grid.resolution), scans, (&here, memory), &|_| {}).unwrap();
-        let work = scanned.apply(method, backend, batch, &|_| {}).unwrap();
-        let Finished { map, visits, .. } = layers::from_chunks(&self.grid, method, &backend.finish(method).unwrap());
-        Run { map, visits, counts: Counts::default(), work }
+        let spill = Spill { folder: std::env::temp_dir(), memory };
+        let scans = ChunkedScans::read(&self.grid, selection, scans, &spill, &|_| {}).unwrap();
+        let statistics = scans.apply(method, backend, batch, &|_| {}).unwrap();
+        let FinishedMap { map, visits, .. } = layers::from_chunks(&self.grid, method, &backend.finish(method).unwrap());
+        Run { map, visits, counts: Counts::default(), statistics }
     }
 
     pub fn run(&self, method: &dyn Method, backend: &mut dyn Backend, batch: usize) -> Run {
@@ -103,13 +106,13 @@ impl Scene {
         }
         let mut mapper = Mapper::new(self.grid, &self.sensors, method, backend, batch).unwrap();
         // Wedges are for the laser truth alone.
-        let item = |(reading, edges): &Item| (*reading, edges.filter(|_| method.settings() == Settings::Truth));
+        let item = |(reading, edges): &ReadingInput| (*reading, edges.filter(|_| method.settings() == Settings::Truth));
         for sweep in 0..method.sweeps().len() {
             mapper.sweep(sweep, self.items.iter().map(|i| Ok(item(i)))).unwrap();
         }
-        let (counts, work) = (mapper.counts, mapper.work);
-        let Finished { map, visits, .. } = mapper.finish().unwrap();
-        Run { map, visits, counts, work }
+        let (counts, statistics) = (mapper.counts, mapper.statistics);
+        let FinishedMap { map, visits, .. } = mapper.finish().unwrap();
+        Run { map, visits, counts, statistics }
     }
 
     pub fn cpu(&self, settings: Settings) -> Run {

@@ -11,8 +11,8 @@ use echogrid::log::Options;
 use echogrid::log::reading::{Outcome, Pose, Reading, Record};
 use echogrid::method::settings::{Csm, Settings};
 use echogrid::method::{self, csm};
-use echogrid::pipeline::mapper::Item;
-use echogrid::pipeline::session::{Mapped, Request, Session};
+use echogrid::pipeline::readings::ReadingInput;
+use echogrid::pipeline::session::{MappedLog, Request, Session};
 
 const INTEL: [&str; 2] = ["eecs568_intel/sample_Intel_dataset.mat", "eecs568_intel/sample_Intel_dataset_semantic.mat"];
 
@@ -69,7 +69,7 @@ fn the_prior() {
 }
 
 /// Beams of one robot pose: bearing, range (infinite: none) and label.
-fn scan(at: (f64, f64), beams: &[(f64, f64, u16)], number: u64) -> Vec<Item> {
+fn scan(at: (f64, f64), beams: &[(f64, f64, u16)], number: u64) -> Vec<ReadingInput> {
     let robot = Pose { x: at.0, y: at.1, heading: 0.0 };
     let item = |&(bearing, range, label): &(f64, f64, u16)| {
         let pose = Pose { heading: bearing, ..robot };
@@ -81,7 +81,7 @@ fn scan(at: (f64, f64), beams: &[(f64, f64, u16)], number: u64) -> Vec<Item> {
 }
 
 /// A map of 20 × 9 cells of 10 cm; cell (0, 4)'s centre is (0.05, 0.45).
-fn by_hand(scans: &[Vec<Item>]) -> Scene {
+fn by_hand(scans: &[Vec<ReadingInput>]) -> Scene {
     let mut sensor = laser(0.5, 80.0);
     (sensor.r_min, sensor.no_echo_range) = (0.0, 0.0);
     Scene {
@@ -220,7 +220,7 @@ fn a_parked_robot_that_trembles() {
         let run = scene.cpu(settings);
         assert_oracle(&format!("parked {name} cpu"), &run, &oracle);
         // Of 700 candidates for each of 24 tiles few are left.
-        assert!(run.work.entries < 24 * 350, "{}", run.work.entries);
+        assert!(run.statistics.entries < 24 * 350, "{}", run.statistics.entries);
     }
 }
 
@@ -258,7 +258,7 @@ fn session(log: &str, settings: Settings, resolution: f64, bounds: Option<[f64; 
 }
 
 /// Maps on cpu and, where there is one, gpu; both are held against the oracle.
-fn verified(session: &Session, name: &str, with_oracle: bool) -> Vec<Mapped> {
+fn verified(session: &Session, name: &str, with_oracle: bool) -> Vec<MappedLog> {
     let oracle = with_oracle.then(|| session.oracle().unwrap());
     let mut maps = Vec::new();
     let mut run = |backend: &mut dyn Backend| {
@@ -340,7 +340,7 @@ fn the_same_bytes_of_a_real_log() {
     let bytes = |threads: usize, batch: usize| {
         let mapped = session.map(&mut Cpu::new(threads).unwrap(), batch, &|_| {}).unwrap();
         let bits = |l: &echogrid::grid::Layer| (0..l.data.len()).map(|k| l.data.get(k).to_bits()).collect::<Vec<_>>();
-        (mapped.work.batches, mapped.finished.map.layers.iter().map(bits).collect::<Vec<_>>())
+        (mapped.statistics.batches, mapped.finished.map.layers.iter().map(bits).collect::<Vec<_>>())
     };
     let (batches, whole) = bytes(0, BATCH);
     for (threads, batch) in [(1, BATCH), (2, 7), (0, 1000)] {

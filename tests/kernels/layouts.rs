@@ -437,7 +437,7 @@ fn a_whole_dispatch_on_the_noop_backend() {
         let run = scene.run(method.as_ref(), &mut gpu, echogrid::binning::batch::BATCH);
         // Nothing was computed: but every buffer, binding, pipeline and dispatch was accepted.
         assert_eq!(run.map.updates, 0, "{name}");
-        assert!(run.work.entries > 100, "{name}");
+        assert!(run.statistics.entries > 100, "{name}");
     }
 }
 
@@ -454,8 +454,8 @@ fn a_batch_that_does_not_fit_its_method_is_an_error() {
     for backend in &mut backends {
         let error = backend.apply(bayes.as_ref(), frame, &scans, bayes.sweeps()[0], &mut Vec::new()).unwrap_err();
         assert_eq!(
-            (error.exit_code(), error.to_string().contains("takes readings was given scans")),
-            (4, true),
+            (error.kind(), error.to_string().contains("takes readings was given scans")),
+            (echogrid::ErrorKind::NoAdapter, true),
             "{error}"
         );
     }

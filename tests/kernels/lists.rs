@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 /// A scene's readings, snapped, but for those that reach far.
 fn cones(scene: &Scene, footprint: Footprint) -> Vec<Cone> {
-    let snap = |(reading, edges): &echogrid::pipeline::mapper::Item| {
+    let snap = |(reading, edges): &echogrid::pipeline::readings::ReadingInput| {
         let sensor = &scene.sensors[reading.record.sensor as usize];
         let heading = reading.record.pose.heading;
         let edges = edges.unwrap_or((heading + sensor.half_width, heading - sensor.half_width));

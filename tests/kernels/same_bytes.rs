@@ -34,10 +34,10 @@ fn batches_on_the_cpu() {
             let run = scene.run(method.as_ref(), &mut Cpu::new(0).unwrap(), batch);
             assert_same(&format!("{name}, batches of {batch}, cpu"), &run, &whole);
             if method.unit() == Unit::Scan {
-                assert!(batch > 7 || run.work.batches > whole.work.batches, "{name}, batches of {batch}");
+                assert!(batch > 7 || run.statistics.batches > whole.statistics.batches, "{name}, batches of {batch}");
                 continue;
             }
-            assert_eq!(run.work.batches, (scene.items.len().div_ceil(batch) * method.sweeps().len()) as u64);
+            assert_eq!(run.statistics.batches, (scene.items.len().div_ceil(batch) * method.sweeps().len()) as u64);
         }
         let one = scene.run(method.as_ref(), &mut Cpu::new(0).unwrap(), 1);
         assert_same(&format!("{name}, batches of 1, cpu"), &one, &whole);
@@ -223,7 +223,7 @@ fn an_entry_limit_that_splits_batches_changes_nothing() {
         let mut small = Small(Cpu::new(0).unwrap(), 400);
         let run = scene.run(method.as_ref(), &mut small, BATCH);
         // One pose a cell is few.
-        assert!(run.work.batches > 1 || name == "csm-discrete-1", "{name}");
+        assert!(run.statistics.batches > 1 || name == "csm-discrete-1", "{name}");
         assert_same(&format!("{name}, split by the entry limit"), &run, &scene.cpu(settings));
     }
 }

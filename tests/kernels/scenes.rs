@@ -8,7 +8,7 @@ use echogrid::geometry::plane::Point;
 use echogrid::grid::GridSpec;
 use echogrid::log::reading::{Outcome, Pose, Reading, Record, classify};
 use echogrid::log::{Log, Options};
-use echogrid::pipeline::mapper::Item;
+use echogrid::pipeline::readings::ReadingInput;
 use echogrid::sensor::{AtMax, Kind, Sensor};
 
 /// xorshift64*: the same numbers everywhere.
@@ -224,7 +224,7 @@ pub fn fans() -> Scene {
     let sensors = vec![laser(0.5, 12.0)];
     let step = 1f64.to_radians();
     let mut r = Random::new(9);
-    let mut items: Vec<Item> = Vec::new();
+    let mut items: Vec<ReadingInput> = Vec::new();
     for scan in 0..30 {
         let round = scan % 3 == 0;
         let place = |r: &mut Random| if round { 0.05 * f64::from(r.below(120)) } else { r.within(-1.0, 7.0) };
@@ -298,7 +298,7 @@ pub fn real_lasers(step: u64) -> Option<Scene> {
     let scans = records.chunk_by(|a, b| a.scan == b.scan);
     let beams = scans.flat_map(|scan| scan.iter().copied().zip(wedge::edges(scan, &sensors)));
     let used = |(r, edges): (Record, Edges)| Some((classify(r, &sensors[r.sensor as usize]).ok()?, Some(edges)));
-    let items: Vec<Item> = beams.filter_map(used).collect();
+    let items: Vec<ReadingInput> = beams.filter_map(used).collect();
     assert!(items.len() > 1000);
     let readings: Vec<Reading> = items.iter().map(|i| i.0).collect();
     let grid = around(&sensors, &readings, 0.05);
@@ -315,7 +315,7 @@ pub fn scans() -> Scene {
         Sensor { no_echo_range: 0.0, ..sonar(12.0, 0.0, 4.0) },
     ];
     let grid = GridSpec { anchor: (0.0, 0.0), resolution: 0.1, i0: -3, j0: 2, width: 43, height: 37 };
-    let mut items: Vec<Item> = Vec::new();
+    let mut items: Vec<ReadingInput> = Vec::new();
     for scan in 0..150u64 {
         let lattice = |random: &mut Random| 0.05 * f64::from(random.below(80));
         let robot = match scan % 7 {

@@ -15,7 +15,7 @@ use echogrid::log::Writer;
 use echogrid::log::reading::Outcome;
 use echogrid::method::{self, settings::Settings};
 use echogrid::pipeline::session::{Request, Session};
-use echogrid::pipeline::updates;
+use echogrid::pipeline::updates::Updater;
 
 fn features() -> Settings {
     Settings::of("features").unwrap()
@@ -226,7 +226,8 @@ fn what_reaches_too_far_is_refused() {
         let method = method::make(features());
         let updates = scene.updates().into_iter().map(Ok);
         let mut cpu = Cpu::new(1).unwrap();
-        let applied = updates::apply(&scene.grid, &scene.sensors, method.as_ref(), &mut cpu, 8, updates, &|_| {});
+        let mut updater = Updater::new(&scene.grid, &scene.sensors, method.as_ref(), &mut cpu, 8);
+        let applied = updater.apply(updates, &|_| {});
         match applied {
             Err(Error::Usage(message)) => assert!(message.contains(what), "{message}"),
             other => panic!("{what}: {other:?}"),

@@ -1,6 +1,6 @@
 //! The table of `echogrid bench`.
 
-use crate::bench::throughput::Measured;
+use crate::bench::throughput::Measurement;
 use crate::bench::workload::Workload;
 use crate::cli::print_line;
 use crate::kernels::peak::Peaks;
@@ -94,7 +94,7 @@ impl Table {
     }
 
     /// Prints a result; `before`: the updates a second of an earlier run, where one is compared.
-    pub fn row(&mut self, m: &Measured, before: Option<Option<f64>>) {
+    pub fn row(&mut self, m: &Measurement, before: Option<Option<f64>>) {
         if self.style.silent {
             return;
         }
@@ -145,7 +145,7 @@ fn share(share: Option<(f64, &str)>) -> String {
 }
 
 /// The time of each kind of pass, ms.
-fn passes(m: &Measured, joint: &str) -> String {
+fn passes(m: &Measurement, joint: &str) -> String {
     let each: Vec<String> = m.passes.iter().map(|(name, s)| format!("{name} {:.2}", s * 1e3)).collect();
     if each.is_empty() { "-".into() } else { each.join(joint) }
 }

@@ -5,7 +5,7 @@ use crate::feature;
 use crate::kernels::Chosen;
 use crate::log::reading::Counts;
 use crate::output::{self, Folder, LogInfo, Report, RunInfo};
-use crate::pipeline::session::{Mapped, Session};
+use crate::pipeline::session::{MappedLog, Session};
 
 /// The backend that made a map.
 #[derive(Debug, Clone, Default)]
@@ -30,7 +30,7 @@ pub struct FinishedRun<'a> {
     /// The log.
     pub session: &'a Session,
     /// Its map.
-    pub mapped: &'a Mapped,
+    pub mapped: &'a MappedLog,
     /// What made it.
     pub backend: &'a BackendUsed,
     /// The stages and their seconds.
@@ -45,10 +45,10 @@ pub struct FinishedRun<'a> {
 /// [`crate::Error::Resources`] if a file can't be written.
 pub fn save(folder: &Folder, run: FinishedRun) -> Result<Report> {
     let FinishedRun { session, mapped, backend, seconds, npy } = run;
-    let features = mapped.found.as_ref().map(feature::StageResult::summary);
+    let features = mapped.features.as_ref().map(feature::StageResult::summary);
     let info = RunInfo { features, ..run_info(session, backend, mapped.counts, seconds)? };
     let report = output::write_map(folder, &mapped.finished.map, &mapped.finished.combined, &info, npy)?;
-    if let Some(found) = &mapped.found {
+    if let Some(found) = &mapped.features {
         output::write_features(folder.path(), &found.feature_map, &session.grid)?;
     }
     Ok(report)

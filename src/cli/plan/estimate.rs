@@ -4,8 +4,8 @@ use crate::cli::interrupt;
 use crate::cli::progress::spinner;
 use crate::method::{self, Unit};
 use crate::oracle;
-use crate::output::{LogInfo, MapWriter, Outline, RunInfo, head};
-use crate::pipeline::out_of_core::Chunk;
+use crate::output::{LogInfo, MapSchema, MapWriter, RunInfo, schema};
+use crate::pipeline::out_of_core::FinishedChunk;
 use crate::pipeline::session::Session;
 use crate::{Error, Result};
 use serde::Serialize;
@@ -50,7 +50,7 @@ pub(super) fn of_oracle(session: &Session, trial: &OracleTrial) -> Result<Option
     }
     let _progress = spinner("trying", trial.quiet);
     let time = |count: usize| -> Result<f64> {
-        let items = session.items()?.take(count).collect::<Result<Vec<_>>>()?;
+        let items = session.readings()?.take(count).collect::<Result<Vec<_>>>()?;
         let readings: Vec<_> = items.iter().map(|i| i.0).collect();
         let wedges: Option<Vec<_>> = items.iter().map(|i| i.1).collect();
         let started = Instant::now();
@@ -75,15 +75,15 @@ pub(super) fn of_oracle(session: &Session, trial: &OracleTrial) -> Result<Option
 }
 
 /// Writes a chunk to a temporary folder; the seconds that it took.
-pub(super) fn time_of_writing(session: &Session, chunk: &Chunk) -> Result<f64> {
+pub(super) fn time_of_writing(session: &Session, chunk: &FinishedChunk) -> Result<f64> {
     let folder = tempfile::tempdir().map_err(|e| Error::Resources(format!("no temporary folder: {e}")))?;
     let map = &chunk.finished.map;
-    let heads = map.layers.iter().map(head).collect();
+    let layers = map.layers.iter().map(schema).collect();
     let method = method::name(session.method.as_ref()).to_string();
-    let combined = head(&chunk.finished.combined);
-    let outline = Outline { grid: map.grid, method, heads, combined, npy: false };
+    let combined = schema(&chunk.finished.combined);
+    let schema = MapSchema { grid: map.grid, method, layers, combined, npy: false };
     let info = RunInfo { log: LogInfo::default(), ..RunInfo::default() };
-    let mut writer = MapWriter::open(folder.path(), outline, &info, false)?;
+    let mut writer = MapWriter::open(folder.path(), schema, &info, false)?;
     // Signals are deferred, so that the folder is removed.
     let _guard = interrupt::defer_signals();
     let started = Instant::now();

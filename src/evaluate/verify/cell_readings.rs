@@ -29,7 +29,7 @@ impl CellReadings {
     pub fn of(session: &Session) -> Result<CellReadings> {
         Ok(match (session.method.unit(), session.method.settings()) {
             (Unit::Reading, _) => {
-                let (readings, wedges) = session.all()?;
+                let (readings, wedges) = session.all_readings()?;
                 CellReadings::Readings(readings, wedges)
             }
             (Unit::Scan, Settings::Csm(csm)) => CellReadings::Scans(session.scans()?.collect::<Result<_>>()?, csm),

@@ -1,12 +1,13 @@
 //! The four counting sensor models as methods: their lines of the registry, what the kernels are told, what a cell's words say.
 
-use super::MARKS;
 use super::layers::{self, Dirichlet, MOST};
+use super::{MARKS, complete};
+use crate::Result;
 use crate::geometry::layout::COUNT;
 use crate::grid::Class;
 use crate::method::driver::{Job, WrongInput, walk_scans};
 use crate::method::settings::{Csm, Settings};
-use crate::method::{Cost, Entry, LayerSpec, Method, Pass, Step, Unit};
+use crate::method::{Completed, Cost, Entry, Evidence, Input, LayerSpec, LogFacts, Method, Pass, Spread, Step};
 
 const WGSL: &str = include_str!("../../../shaders/method/csm.wgsl");
 const DOHERTY: &str = "Doherty, Shan, Wang & Englot 2019; Gan et al. 2020";
@@ -98,12 +99,28 @@ impl Method for Model {
         Settings::Csm(self.0)
     }
 
-    fn unit(&self) -> Unit {
-        Unit::Scan
+    fn input(&self, resolution: f64) -> Input {
+        let labels = if self.0.semantic { self.0.labels() } else { 0 };
+        Input::Scans { selection: self.0.selection(resolution), labels }
+    }
+
+    fn spread(&self) -> Spread {
+        match self.0.continuous {
+            true => Spread { beside: self.0.l, half_width: 0.0 },
+            false => Spread { beside: self.0.w_obstacle.unwrap_or(0.0) / 2.0, half_width: self.0.w_beam / 2.0 },
+        }
+    }
+
+    fn complete(&self, log: &LogFacts) -> Result<Completed> {
+        complete::complete(self.0, log)
     }
 
     fn marks(&self) -> Option<usize> {
         Some(MARKS)
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::magnitude("what the beam that the cell takes gives to its α")
     }
 
     fn planes(&self) -> usize {
@@ -164,7 +181,7 @@ impl Method for Model {
         }
     }
 
-    fn run(&self, _: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
+    fn run(&self, _: Pass, job: &Job, state: &mut [u32]) -> std::result::Result<(), WrongInput> {
         walk_scans(&self.0, job, state)
     }
 }

@@ -1,43 +1,43 @@
-//! `features.svg`: walls, corners and points over the map's picture, +y up, with a scale in metres.
+//! `features.svg`: walls, corners and points over the map's picture, +y up, with a scale bar in metres.
 
 use crate::feature::{FeatureMap, Wall};
 use crate::geometry::plane::Point;
 use crate::grid::GridSpec;
 use crate::output::png::{factor, reduced};
 
-/// The longer side of the map, pixels; what lies around it and below it.
+/// The longer side of the map, the margin around it, and the height of a line below it, pixels.
 const EDGE: f64 = 1200.0;
 const GAP: f64 = 24.0;
 const LINE: f64 = 20.0;
-/// The legend needs so much, pixels.
+/// The width of the legend, pixels.
 const NARROWEST: f64 = 420.0;
 /// Length of the tick that says which way a wall's normal points, and radius of a corner's circle and a point's cross, pixels.
 const TICK: f64 = 7.0;
 const CIRCLE: f64 = 6.0;
 const CROSS: f64 = 4.0;
-/// Their colours: none is on the map's scale; and a light rim, as a map is blue where it is free.
+/// Colours that are not on the map's scale, and a light rim, as a map is blue where it is free.
 const WALL: &str = "#e0007a";
 const CORNER: &str = "#009a3e";
 const POINT: &str = "#111";
 const RIM: &str = "filter:drop-shadow(0 0 1px #fff) drop-shadow(0 0 1px #fff)";
 
-/// Where a place is in the picture.
-struct Frame {
+/// The transform from the world to the picture.
+struct PictureFrame {
     left: f64,
     top: f64,
-    /// Pixels a metre.
+    /// Pixels per metre.
     scale: f64,
     /// The map's picture, pixels.
     size: [f64; 2],
 }
 
-impl Frame {
-    /// `map.png` shows whole blocks of cells, so it may reach beyond the grid.
-    fn of(grid: &GridSpec) -> Frame {
+impl PictureFrame {
+    /// The transform for a grid. `map.png` shows whole blocks of cells, so it may reach beyond the grid.
+    fn of(grid: &GridSpec) -> PictureFrame {
         let factor = factor(grid);
         let metres = reduced(grid, factor).map(|n| (n * factor) as f64 * grid.resolution);
         let scale = EDGE / metres[0].max(metres[1]);
-        Frame { left: grid.x0(), top: grid.y0() + metres[1], scale, size: metres.map(|m| m * scale) }
+        PictureFrame { left: grid.x0(), top: grid.y0() + metres[1], scale, size: metres.map(|m| m * scale) }
     }
 
     fn at(&self, p: Point) -> Point {
@@ -45,9 +45,9 @@ impl Frame {
     }
 }
 
-/// The picture; `map`: `map.png` lies beside it.
+/// The text of the picture; `map`: `map.png` exists beside it.
 pub(super) fn svg(known: &FeatureMap, grid: &GridSpec, map: bool) -> String {
-    let frame = Frame::of(grid);
+    let frame = PictureFrame::of(grid);
     let [width, height] = frame.size;
     let (across, up) = (width.max(NARROWEST) + 2.0 * GAP, GAP + height + 6.0 * LINE);
     let features = &known.features;
@@ -84,8 +84,8 @@ pub(super) fn svg(known: &FeatureMap, grid: &GridSpec, map: bool) -> String {
     svg + &legend(known, &frame, GAP + height + LINE) + "</svg>\n"
 }
 
-/// A wall, and in its middle the way its normal points.
-fn line(wall: &Wall, frame: &Frame) -> String {
+/// A wall, with a tick in its middle along its normal.
+fn line(wall: &Wall, frame: &PictureFrame) -> String {
     let [a, b] = wall.ends().map(|p| frame.at(p));
     let middle = wall.middle();
     let (from, to) = (frame.at(middle), frame.at(middle + wall.normal * (TICK / frame.scale)));
@@ -110,8 +110,8 @@ fn cross(at: Point) -> String {
     )
 }
 
-/// How many there are of each, and how long a metre is.
-fn legend(known: &FeatureMap, frame: &Frame, top: f64) -> String {
+/// The legend: the number of features of each kind, and a scale bar.
+fn legend(known: &FeatureMap, frame: &PictureFrame, top: f64) -> String {
     let features = &known.features;
     let mut text = String::from("<g fill=\"none\" stroke-width=\"1.5\">\n");
     let symbol = |k: usize| Point::new(GAP + 10.0, top + k as f64 * LINE + 5.0);

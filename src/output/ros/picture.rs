@@ -1,5 +1,5 @@
-//! A map's picture: PGM (P2, P5) or PPM (P3, P6) of any maxval, read here so that no sample is rounded, and PNG or BMP.
-//! How many pixels there are is known, and checked, before memory is taken for them.
+//! Reads a map's picture: PGM (P2, P5) or PPM (P3, P6) of any maxval, without rounding a sample, and PNG or BMP. The number of pixels is
+//! checked before memory is taken for them.
 
 use crate::grid::GridSpec;
 use crate::support::memory;
@@ -8,10 +8,10 @@ use image::{ColorType, ImageDecoder, ImageFormat, ImageReader};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Pixels along a side, and of a picture, at most.
+/// The most pixels along a side, and of a picture.
 const LONGEST: usize = 1 << 24;
 const MOST: usize = 1 << 32;
-/// Bytes a pixel takes on its way to a map, beside its samples.
+/// The memory of a pixel while it becomes a map, without its samples, bytes.
 const PIXEL: u64 = 48;
 const KINDS: &str = "give a PNG, a PGM (P2, P5), a PPM or a BMP, and name it in the YAML file";
 
@@ -19,9 +19,9 @@ const KINDS: &str = "give a PNG, a PGM (P2, P5), a PPM or a BMP, and name it in 
 pub(super) struct Picture {
     pub width: usize,
     pub height: usize,
-    /// Samples a pixel: grey, grey and alpha, RGB, RGBA.
+    /// Samples of a pixel: grey, grey and alpha, RGB, RGBA.
     channels: usize,
-    /// What a sample is at most.
+    /// The largest value of a sample.
     top: f64,
     samples: Samples,
 }
@@ -39,7 +39,7 @@ pub(super) struct Pixel {
 }
 
 impl Pixel {
-    /// How bright it is, 0 to 1: the mean of its colours.
+    /// The brightness, 0 to 1: the mean of its colours.
     pub fn shade(&self) -> f64 {
         f64::from(self.colour) / 3.0 / self.top
     }
@@ -49,15 +49,15 @@ impl Pixel {
         self.alpha.map_or_else(|| self.shade(), |alpha| f64::from(self.colour + alpha) / 4.0 / self.top)
     }
 
-    /// Whether nothing shines through.
+    /// Whether it is opaque.
     pub fn is_opaque(&self) -> bool {
         self.alpha.is_none_or(|alpha| f64::from(alpha) == self.top)
     }
 }
 
-/// What is wrong: with the picture, or with memory.
 type Read<T> = std::result::Result<T, Fault>;
 
+/// A fault of the picture, or too little memory for it.
 enum Fault {
     Picture(String),
     Memory(Error),
@@ -125,7 +125,7 @@ impl Picture {
     fn netpbm(bytes: &[u8], fits: impl Fn(usize, usize, u64) -> Read<()>) -> Read<Picture> {
         let kind = bytes[1];
         let (plain, channels) = (kind < b'4', if kind == b'2' || kind == b'5' { 1 } else { 3 });
-        let mut words = Words { bytes, at: 2 };
+        let mut words = NumberReader { bytes, at: 2 };
         let mut number = |most| words.number().filter(|n| (1..=most).contains(n));
         let (Some(width), Some(height), Some(top)) = (number(LONGEST), number(LONGEST), number(65535)) else {
             let kind = char::from(kind);
@@ -195,7 +195,7 @@ impl Picture {
     }
 }
 
-/// Whether a picture's pixels, each with `bytes` of samples, fit in memory.
+/// Checks that a picture's pixels, each with `bytes` of samples, fit in memory.
 fn fits(path: &Path, resolution: f64, width: usize, height: usize, bytes: u64) -> Read<()> {
     if width == 0 || height == 0 || width > LONGEST || height > LONGEST || width * height > MOST {
         return Err(format!("it has {width} × {height} pixels: no map has so many, or none").into());
@@ -205,13 +205,13 @@ fn fits(path: &Path, resolution: f64, width: usize, height: usize, bytes: u64) -
     grid.check_memory((width * height) as u64 * (PIXEL + 2 * bytes), None, &remedy).map_err(Fault::Memory)
 }
 
-/// The numbers of a text, between blanks and comments.
-struct Words<'a> {
+/// Reads the numbers of a text, between blanks and comments.
+struct NumberReader<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
-impl Words<'_> {
+impl NumberReader<'_> {
     /// The next number; `None` at the end, or where there is something else.
     fn number(&mut self) -> Option<usize> {
         while let Some(byte) = self.bytes.get(self.at) {

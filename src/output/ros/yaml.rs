@@ -1,11 +1,11 @@
-//! The keys of a YAML document with their values and lines, from a parser's events: what a flat settings file needs, in
-//! any of YAML's styles. Nothing is converted here.
+//! Reads the keys of a YAML document with their values and lines, from a parser's events. That is enough for a flat settings file in any of
+//! YAML's styles. Values stay texts here.
 
 use crate::{Error, Result};
 use saphyr_parser::{Event, Parser, ScalarStyle, ScanError, StrInput};
 use std::path::Path;
 
-/// Lists are not followed any deeper.
+/// The deepest nesting of lists.
 const DEEPEST: usize = 8;
 
 /// A key of the document.
@@ -26,7 +26,7 @@ pub(super) enum Value {
     /// A scalar's text, without quotes; empty for null.
     Text(String),
     List(Vec<Node>),
-    /// Keys and values, which are not looked into.
+    /// Keys and values, which are skipped.
     Table,
 }
 
@@ -38,14 +38,14 @@ pub(super) struct Document {
     pub next: Option<u64>,
 }
 
-struct Reader<'a> {
+struct YamlReader<'a> {
     path: &'a Path,
     parser: Parser<'a, StrInput<'a>>,
 }
 
 /// Reads a text's first document, which has to be keys and values.
 pub(super) fn parse(path: &Path, text: &str) -> Result<Document> {
-    let mut reader = Reader { path, parser: Parser::new_from_str(text) };
+    let mut reader = YamlReader { path, parser: Parser::new_from_str(text) };
     let mut entries: Vec<Entry> = Vec::new();
     let none = || Error::input(path, "it has no key: give a map_server map.yaml, with image, resolution and origin");
     loop {
@@ -92,7 +92,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Document> {
     Ok(Document { entries, next })
 }
 
-impl<'a> Reader<'a> {
+impl<'a> YamlReader<'a> {
     /// The next event and its line.
     fn next(&mut self) -> Result<(Event<'a>, u64)> {
         let wrong = |e: ScanError| Error::at(self.path, e.marker().line() as u64, format!("not YAML: {}", e.info()));
@@ -102,7 +102,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The value that an event begins.
+    /// Reads the value that an event begins.
     fn node(&mut self, event: Event<'a>, line: u64, depth: usize) -> Result<Node> {
         let path = self.path;
         let refused = |what: &str| Err(Error::at(path, line, what));

@@ -4,12 +4,12 @@
 //! strongest of its region. A certainty grid's hit is drawn three times: own evidence, cancelled, normalised.
 
 use super::canvas::{Canvas, Colour};
-use super::outline::{Outline, Point};
+use super::cone_outline::{ConeOutline, Point};
 use crate::grid::{GridSpec, Map};
 use crate::oracle::{CellTrace, ReadingTrace, Region};
 use serde::Serialize;
 
-/// The longest side of a picture, about.
+/// The longest side of a picture, pixels, about.
 const LONGEST: f64 = 1200.0;
 /// The most pixels a cell's side gets.
 const LARGEST_CELL: f64 = 64.0;
@@ -20,18 +20,18 @@ const GAP: i64 = 12;
 /// Interior and arc, from no evidence to the strongest.
 const BLUE: [Colour; 2] = [[214, 226, 248], [16, 60, 176]];
 const RED: [Colour; 2] = [[252, 220, 214], [190, 16, 20]];
-/// The map behind: occupied, empty, seen but undecided or not seen.
+/// The map behind: occupied, empty, unknown or not seen.
 const OCCUPIED: Colour = [90, 90, 90];
 const EMPTY: Colour = [250, 250, 250];
 const UNKNOWN: Colour = [206, 206, 206];
-/// What is no cell of the grid, and the panels' gaps.
+/// The space outside the grid, and between panels.
 const OUTSIDE: Colour = [150, 152, 158];
 /// Lines between cells; edges and arcs; axis and sensor.
 const BETWEEN: Colour = [184, 184, 188];
 const EDGE: Colour = [24, 24, 24];
 const AXIS: Colour = [0, 128, 64];
 
-/// What a panel shows.
+/// The evidence that a panel shows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Panel {
@@ -53,9 +53,9 @@ impl Panel {
     }
 }
 
-/// Where a panel lies, and the evidence of its strongest shades.
+/// The position of a panel, and the evidence of its strongest shades.
 #[derive(Serialize)]
-pub(super) struct Place {
+pub(super) struct PanelPlacement {
     shows: Panel,
     /// Its upper left pixel.
     x: i64,
@@ -64,7 +64,7 @@ pub(super) struct Place {
     full: [f64; 2],
 }
 
-/// Which cells the picture shows, and where.
+/// The cells that the picture shows, and the panels that show them.
 #[derive(Serialize)]
 pub(super) struct Layout {
     /// The lower left cell: column and row, outside the grid if negative.
@@ -72,12 +72,12 @@ pub(super) struct Layout {
     /// Columns and rows.
     cells: [i64; 2],
     pixels_per_cell: f64,
-    panels: Vec<Place>,
+    panels: Vec<PanelPlacement>,
 }
 
 impl Layout {
-    /// The cone's neighbourhood, as large as it fits.
-    pub fn of(outline: &Outline, trace: &ReadingTrace, panels: &[Panel], weigh: &dyn Fn(f64) -> f64) -> Layout {
+    /// The layout of the cone's neighbourhood, as large as it fits.
+    pub fn of(outline: &ConeOutline, trace: &ReadingTrace, panels: &[Panel], weigh: &dyn Fn(f64) -> f64) -> Layout {
         let mut low = [i64::MAX; 2];
         let mut high = [i64::MIN; 2];
         let mut take = |x: f64, y: f64| {
@@ -102,10 +102,10 @@ impl Layout {
         };
         let place = |(k, panel): (i64, &Panel)| {
             let at = [0, 1].map(|side| if side == across { k * step } else { 0 });
-            // Cancelled beside own: what is lost should be seen.
+            // Cancelled evidence has the shades of the own evidence, so that the picture shows the loss.
             let full = if *panel == Panel::Cancelled { Panel::Own } else { *panel };
             let full = [Region::Interior, Region::Arc].map(|region| strongest(full, region));
-            Place { shows: *panel, x: at[0], y: at[1], full }
+            PanelPlacement { shows: *panel, x: at[0], y: at[1], full }
         };
         Layout { first, cells, pixels_per_cell: scale, panels: (0..).zip(panels).map(place).collect() }
     }
@@ -116,36 +116,45 @@ fn pixel(cells: i64, scale: f64) -> i64 {
     (cells as f64 * scale).floor() as i64
 }
 
-/// Draws all panels.
-pub(super) fn draw(
-    grid: &GridSpec,
-    outline: &Outline,
-    trace: &ReadingTrace,
-    layout: &Layout,
-    weigh: &dyn Fn(f64) -> f64,
-    map: Option<&Map>,
-) -> Canvas {
-    let size = layout.cells.map(|n| pixel(n, layout.pixels_per_cell).max(1));
-    let last = layout.panels.iter().fold([0, 0], |m, p| [p.x.max(m[0]), p.y.max(m[1])]);
-    let mut canvas = Canvas::new(last[0] + size[0], last[1] + size[1], OUTSIDE);
-    for place in &layout.panels {
-        let mut view = View { canvas: &mut canvas, layout, place, size };
-        view.background(grid, map);
-        for cell in &trace.cells {
-            let (shades, full) = match cell.update.region {
-                Region::Interior => (BLUE, place.full[0]),
-                Region::Arc => (RED, place.full[1]),
-            };
-            let strength = if full > 0.0 { weigh(place.shows.value(cell)) / full } else { 0.0 };
-            view.cell(cell.update.column as i64, cell.update.row as i64, shade(shades, strength));
-        }
-        view.line(&outline.axis, AXIS);
-        outline.lines.iter().for_each(|line| view.line(line, EDGE));
-        view.sensor(outline.sensor);
-    }
-    canvas
+/// A picture to be drawn.
+pub(super) struct Drawing<'a> {
+    pub grid: &'a GridSpec,
+    pub outline: &'a ConeOutline,
+    pub trace: &'a ReadingTrace,
+    pub layout: &'a Layout,
+    /// The strength of a value of evidence, 0 or more.
+    pub weigh: &'a dyn Fn(f64) -> f64,
+    /// The map behind the cone.
+    pub map: Option<&'a Map>,
 }
 
+impl Drawing<'_> {
+    /// Draws all panels.
+    pub fn draw(&self) -> Canvas {
+        let Drawing { grid, outline, trace, layout, weigh, map } = *self;
+        let size = layout.cells.map(|n| pixel(n, layout.pixels_per_cell).max(1));
+        let last = layout.panels.iter().fold([0, 0], |m, p| [p.x.max(m[0]), p.y.max(m[1])]);
+        let mut canvas = Canvas::new(last[0] + size[0], last[1] + size[1], OUTSIDE);
+        for place in &layout.panels {
+            let mut view = View { canvas: &mut canvas, layout, place, size };
+            view.background(grid, map);
+            for cell in &trace.cells {
+                let (shades, full) = match cell.update.region {
+                    Region::Interior => (BLUE, place.full[0]),
+                    Region::Arc => (RED, place.full[1]),
+                };
+                let strength = if full > 0.0 { weigh(place.shows.value(cell)) / full } else { 0.0 };
+                view.cell(cell.update.column as i64, cell.update.row as i64, shade(shades, strength));
+            }
+            view.line(&outline.axis, AXIS);
+            outline.lines.iter().for_each(|line| view.line(line, EDGE));
+            view.sensor(outline.sensor);
+        }
+        canvas
+    }
+}
+
+/// The colour between two, by a strength of 0 to 1.
 fn shade([from, to]: [Colour; 2], strength: f64) -> Colour {
     let mix = |k: usize| f64::from(from[k]) + (f64::from(to[k]) - f64::from(from[k])) * strength.clamp(0.0, 1.0);
     [0, 1, 2].map(|k| mix(k).round() as u8)
@@ -155,19 +164,19 @@ fn shade([from, to]: [Colour; 2], strength: f64) -> Colour {
 struct View<'a> {
     canvas: &'a mut Canvas,
     layout: &'a Layout,
-    place: &'a Place,
+    place: &'a PanelPlacement,
     size: [i64; 2],
 }
 
 impl View<'_> {
-    /// A pixel of the panel, y up from its lower left.
+    /// Sets a pixel of the panel, y up from its lower left.
     fn put(&mut self, x: i64, y: i64, colour: Colour) {
         if (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y) {
             self.canvas.put(self.place.x + x, self.place.y + self.size[1] - 1 - y, colour);
         }
     }
 
-    /// Every cell of the grid in its class's grey.
+    /// Draws every cell of the grid in its class's grey.
     fn background(&mut self, grid: &GridSpec, map: Option<&Map>) {
         let class = map.and_then(|m| m.layer("class")).map(|l| &l.data);
         let scale = self.layout.pixels_per_cell;
@@ -190,7 +199,7 @@ impl View<'_> {
         }
     }
 
-    /// A cell as a square; large ones leave a line to their left and below.
+    /// Draws a cell as a square; a large one leaves a line to its left and below.
     fn cell(&mut self, column: i64, row: i64, colour: Colour) {
         let scale = self.layout.pixels_per_cell;
         let (c, r) = (column - self.layout.first[0], row - self.layout.first[1]);
@@ -210,7 +219,7 @@ impl View<'_> {
         ((x - self.layout.first[0] as f64) * scale, (y - self.layout.first[1] as f64) * scale)
     }
 
-    /// A line through points, two pixels wide.
+    /// Draws a line through points, two pixels wide.
     fn line(&mut self, points: &[Point], colour: Colour) {
         for (from, to) in points.iter().zip(points.iter().skip(1)) {
             let (from, to) = (self.at(*from), self.at(*to));
@@ -224,7 +233,7 @@ impl View<'_> {
         }
     }
 
-    /// The sensor: a green disc with a dark rim.
+    /// Draws the sensor: a green disc with a dark rim.
     fn sensor(&mut self, at: Point) {
         let radius = (self.layout.pixels_per_cell * 0.3).clamp(4.0, 9.0);
         let (x, y) = self.at(at);

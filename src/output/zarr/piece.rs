@@ -1,5 +1,5 @@
-//! Reading a map piece by piece. A piece is an inner chunk of 256 × 256 cells: what a look at one place needs of a shard
-//! sixteen times as large. zarrs would read one without testing its checksum, so it is found and decoded here.
+//! Reads a map piece by piece. A piece is an inner chunk of 256 × 256 cells, a sixteenth of a shard. zarrs reads a piece without testing
+//! its checksum, so it is located and decoded here.
 
 use super::{CHUNK, SHARD, Tried};
 use crate::grid::Data;
@@ -18,21 +18,21 @@ use zarrs::array::{
 use zarrs::filesystem::FilesystemStore;
 use zarrs::metadata::v3::MetadataV3;
 
-/// Pieces along a shard's edge, and in all of it.
+/// The number of pieces along a shard's edge, and in a shard.
 const ACROSS: usize = SHARD / CHUNK;
 const PIECES: usize = ACROSS * ACROSS;
-/// Where a piece lies in its shard's file: an offset and a length; both are this where it isn't stored.
+/// The offset and the length of a piece that isn't stored.
 const ABSENT: u64 = u64::MAX;
-/// Shards whose index is remembered, at most.
+/// The most shards whose index is cached.
 const INDEXES: usize = 4096;
 
-/// Bytes of a shard's index and their checksum.
+/// The size of a shard's index with its checksum, bytes.
 const INDEX: usize = 16 * PIECES + 4;
 
-/// Where each piece of a shard lies; `None`: the shard isn't stored.
+/// The offset and the length of each piece in its shard's file; `None`: the shard isn't stored.
 type Index = Option<Arc<Vec<u64>>>;
 
-/// An array to be read by pieces.
+/// An array that is read piece by piece.
 pub(crate) struct Pieces {
     array: Array<FilesystemStore>,
     folder: PathBuf,
@@ -42,7 +42,7 @@ pub(crate) struct Pieces {
 }
 
 impl Pieces {
-    /// Of an array whose `zarr.json` lies in `folder`. One in other shards or pieces than echogrid's is an error.
+    /// Opens an array whose `zarr.json` lies in `folder`. An array with shards or pieces of another size than echogrid's is an error.
     pub(super) fn of(array: Array<FilesystemStore>, folder: PathBuf) -> Tried<Pieces> {
         let metadata = serde_json::to_value(array.metadata())?;
         let sharding = &metadata["codecs"][0]["configuration"];
@@ -66,13 +66,13 @@ impl Pieces {
         [side(1), side(0)]
     }
 
-    /// Bytes of a value.
+    /// The size of a value, bytes.
     pub fn value_bytes(&self) -> usize {
         self.array.fill_value().as_ne_bytes().len()
     }
 
-    /// The piece in a column and row of pieces, row by row from the bottom, cut at the array's edge; `None`: it isn't stored, all of
-    /// it is fill.
+    /// Reads the piece in a column and row of pieces, row by row from the bottom, cropped at the array's edge; `None`: it isn't stored, as
+    /// all of it is the fill value.
     ///
     /// # Errors
     /// [`Error::Input`] names the shard's file where it is damaged.
@@ -127,11 +127,11 @@ impl Pieces {
         decode::<u64>(&self.index_codecs, bytes, &shape, &data_type::uint64(), &ABSENT.into())
     }
 
-    /// A piece's values from its bytes, cut at the array's edge.
+    /// Decodes the bytes of a piece, and crops it at the array's edge.
     fn decode(&self, bytes: Vec<u8>, [column, row]: [usize; 2]) -> Tried<Data> {
         let [width, height] = self.extent();
         let (width, height) = (CHUNK.min(width - column * CHUNK), CHUNK.min(height - row * CHUNK));
-        fn cut<T: ElementOwned + Copy>(of: &Pieces, bytes: Vec<u8>, width: usize, height: usize) -> Tried<Vec<T>> {
+        fn crop<T: ElementOwned + Copy>(of: &Pieces, bytes: Vec<u8>, width: usize, height: usize) -> Tried<Vec<T>> {
             let (kind, fill) = (of.array.data_type(), of.array.fill_value());
             let all: Vec<T> = decode(&of.codecs, bytes, &[CHUNK as u64; 2], kind, fill)?;
             if width == CHUNK {
@@ -141,10 +141,10 @@ impl Pieces {
         }
         let kind = self.array.data_type();
         Ok(match kind {
-            k if k.is::<Float32DataType>() => Data::F32(cut(self, bytes, width, height)?),
-            k if k.is::<UInt32DataType>() => Data::U32(cut(self, bytes, width, height)?),
-            k if k.is::<UInt8DataType>() => Data::U8(cut(self, bytes, width, height)?),
-            k if k.is::<Int8DataType>() => Data::I8(cut(self, bytes, width, height)?),
+            k if k.is::<Float32DataType>() => Data::F32(crop(self, bytes, width, height)?),
+            k if k.is::<UInt32DataType>() => Data::U32(crop(self, bytes, width, height)?),
+            k if k.is::<UInt8DataType>() => Data::U8(crop(self, bytes, width, height)?),
+            k if k.is::<Int8DataType>() => Data::I8(crop(self, bytes, width, height)?),
             _ => return Err(format!("its data type is none that echogrid writes: {kind:?}").into()),
         })
     }
@@ -162,7 +162,7 @@ impl Pieces {
     }
 }
 
-/// Undoes a chain of codecs, checksum and all.
+/// Decodes bytes by a chain of codecs, which tests their checksum.
 fn decode<T: ElementOwned>(
     codecs: &CodecChain,
     bytes: Vec<u8>,

@@ -1,4 +1,4 @@
-//! Reading a map's folder back.
+//! Reads a map's folder back.
 
 use super::{SHARD, Tried};
 use crate::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
@@ -26,7 +26,10 @@ pub struct StoredMap {
     pub report: Value,
 }
 
-/// Reads a map folder back: every layer, the grid, the attributes and the report.
+/// Reads a map's folder back: every layer, the grid, the attributes and the report.
+///
+/// # Errors
+/// [`Error::Input`] if it is no map, or is damaged.
 pub fn read_map(path: &Path) -> Result<StoredMap> {
     if !folder::is_map(path) {
         let what = match folder::leftovers(path).as_slice() {
@@ -40,7 +43,7 @@ pub fn read_map(path: &Path) -> Result<StoredMap> {
 
 fn read_folder(path: &Path) -> Tried<StoredMap> {
     let report: Value = serde_json::from_slice(&std::fs::read(REPORT.at(path))?)?;
-    let reader = Reader::open(&path.join(STORE))?;
+    let reader = StoreReader::open(&path.join(STORE))?;
     let layers = (0..reader.arrays.len()).map(|k| reader.layer(k)).collect::<Tried<Vec<Layer>>>()?;
     let method = reader.method();
     let attributes = reader.attributes;
@@ -51,7 +54,7 @@ fn read_folder(path: &Path) -> Tried<StoredMap> {
 }
 
 /// An open store.
-pub(in crate::output) struct Reader {
+pub(in crate::output) struct StoreReader {
     path: PathBuf,
     store: Arc<FilesystemStore>,
     /// The cells.
@@ -61,9 +64,9 @@ pub(in crate::output) struct Reader {
     names: Vec<String>,
 }
 
-impl Reader {
+impl StoreReader {
     /// Opens a store's layers.
-    pub fn open(path: &Path) -> Tried<Reader> {
+    pub fn open(path: &Path) -> Tried<StoreReader> {
         let store = Arc::new(FilesystemStore::new(path)?);
         let attributes = Group::open(store.clone(), "/")?.attributes().clone();
         let grid = read_grid(&attributes).ok_or("its attributes don't describe a grid")?;
@@ -78,7 +81,7 @@ impl Reader {
             Ok(array)
         };
         let arrays = names.iter().map(array).collect::<Tried<_>>()?;
-        Ok(Reader { path: path.into(), store, grid, attributes, arrays, names })
+        Ok(StoreReader { path: path.into(), store, grid, attributes, arrays, names })
     }
 
     /// The method's name.
@@ -86,19 +89,19 @@ impl Reader {
         self.attributes.get("method").and_then(Value::as_str).unwrap_or_default().to_string()
     }
 
-    /// Another array of the store.
+    /// Opens another array of the store.
     pub(super) fn array(&self, name: &str) -> Tried<Array<FilesystemStore>> {
         Ok(Array::open(self.store.clone(), &format!("/{name}"))?)
     }
 
-    /// How many levels a group of the store has.
+    /// The number of levels of a group of the store.
     pub(super) fn levels(&self, name: &str) -> Tried<usize> {
         let group = Group::open(self.store.clone(), &format!("/{name}"))?;
         let levels = group.attributes().get("ome").and_then(|ome| ome["multiscales"][0]["datasets"].as_array());
         Ok(levels.map_or(0, Vec::len).min(25))
     }
 
-    /// The layers, each with its name.
+    /// The arrays of the layers, each with its name.
     pub(super) fn arrays(self) -> impl Iterator<Item = (String, Array<FilesystemStore>)> {
         self.names.into_iter().zip(self.arrays)
     }
@@ -108,7 +111,7 @@ impl Reader {
         &self.names
     }
 
-    /// Bytes of a layer's shard; `None`: it is not stored, all of it is fill.
+    /// The stored size of a layer's shard, bytes; `None`: it is not stored, as all of it is the fill value.
     pub fn stored(&self, layer: usize, [row, column]: [u32; 2]) -> Option<u64> {
         let file = self.path.join(&self.names[layer]).join(format!("c/{row}/{column}"));
         std::fs::metadata(file).ok().map(|m| m.len())
@@ -127,7 +130,7 @@ impl Reader {
         }
     }
 
-    /// A whole layer.
+    /// Reads a whole layer.
     pub fn layer(&self, layer: usize) -> Tried<Layer> {
         let shards: Vec<Place> = places(&self.grid).collect();
         let parts = shards.into_par_iter().map(|at| Ok((at, self.shard(layer, at)?))).collect::<Tried<Vec<_>>>()?;
@@ -152,13 +155,13 @@ impl Reader {
                 (Data::U32(all), Data::U32(v)) => paste(all, &self.grid, *at, v),
                 (Data::U8(all), Data::U8(v)) => paste(all, &self.grid, *at, v),
                 (Data::I8(all), Data::I8(v)) => paste(all, &self.grid, *at, v),
-                _ => {}
+                _ => return Err(format!("the shards of layer {} differ in type", first.name).into()),
             }
         }
         Ok(Layer { data, name: first.name.clone(), ..*first })
     }
 
-    /// A layer's part in a shard. The whole shard is read: of a part of an inner chunk no checksum would be tested.
+    /// Reads a layer's part in a shard. The whole shard is read, so that every checksum is tested.
     pub fn shard(&self, layer: usize, at: Place) -> Tried<Layer> {
         let (array, name) = (&self.arrays[layer], &self.names[layer]);
         let GridSpec { width, height, .. } = part(&self.grid, at);
@@ -188,7 +191,7 @@ impl Reader {
     }
 }
 
-/// A layer's colours.
+/// The colour scale of a layer.
 pub(super) fn scale(array: &Array<FilesystemStore>) -> Scale {
     let ends = array.attributes().get("colour_range").and_then(Value::as_array);
     let end = |k: usize, default: f64| ends.and_then(|e| e.get(k)).and_then(Value::as_f64).unwrap_or(default);

@@ -1,4 +1,4 @@
-//! A map's folder opened but not read: what describes it is in memory, its cells stay on disk until they are looked at.
+//! An open map whose cells stay on disk until they are needed; its description is in memory.
 
 use super::piece::Pieces;
 use super::{Cause, OVERVIEW, Tried, read, reduced};
@@ -20,11 +20,11 @@ pub(crate) struct StoredLayer {
     pub scale: Scale,
     /// The value where no reading reached.
     pub fill: f64,
-    /// Its values.
+    /// Its values, to be read piece by piece.
     pub pieces: Pieces,
 }
 
-/// A map on disk of which only what describes it has been read.
+/// A map on disk of which only the description has been read.
 pub(crate) struct Stored {
     /// Its folder.
     pub path: PathBuf,
@@ -36,16 +36,16 @@ pub(crate) struct Stored {
     pub report: Value,
     /// Its layers.
     pub layers: Vec<StoredLayer>,
-    /// The combined layer's palette entries on a scale from −1 to 1, level by level, each half as many a side; empty where the map
-    /// was written without.
+    /// The levels of the overview: the combined layer's palette entries on a scale from −1 to 1, each level half the size of the one
+    /// before. Empty for a map without an overview.
     pub overview: Vec<Pieces>,
 }
 
 impl Stored {
-    /// Opens a map's folder, whatever its size in no time.
+    /// Opens a map's folder. The time does not depend on the size of the map.
     ///
     /// # Errors
-    /// [`Error::Input`] if it is no map, or what describes it can't be read.
+    /// [`Error::Input`] if it is no map, or its description can't be read.
     pub fn open(path: &Path) -> Result<Stored> {
         let (zarr, report) = (path.join(STORE), REPORT.at(path));
         if !zarr.is_dir() || !report.is_file() {
@@ -59,7 +59,7 @@ impl Stored {
     }
 
     fn read(path: &Path, zarr: &Path, report: Value) -> Tried<Stored> {
-        let reader = read::Reader::open(zarr)?;
+        let reader = read::StoreReader::open(zarr)?;
         let (grid, method) = (reader.grid, reader.method());
         if grid.cells() == 0 {
             return Err("it has no cell".into());
@@ -75,20 +75,20 @@ impl Stored {
         Ok(Stored { path: path.into(), grid, method, report, layers, overview: levels })
     }
 
-    /// The place of a layer among the layers.
+    /// The index of a layer.
     pub fn layer(&self, name: &str) -> Option<usize> {
         self.layers.iter().position(|l| l.name == name)
     }
 
-    /// Bytes of all layers' values, once they are in memory.
+    /// The size of all layers' values in memory, bytes.
     pub fn bytes(&self) -> u64 {
         let cell: usize = self.layers.iter().map(|l| l.pieces.value_bytes()).sum();
         cell as u64 * self.grid.cells() as u64
     }
 }
 
-/// The overview's levels, as many as its group says.
-fn overview(reader: &read::Reader, zarr: &Path) -> Tried<Vec<Pieces>> {
+/// Opens the levels of the overview that its group lists.
+fn overview(reader: &read::StoreReader, zarr: &Path) -> Tried<Vec<Pieces>> {
     let folder = zarr.join(OVERVIEW);
     if !folder.is_dir() {
         return Ok(Vec::new());

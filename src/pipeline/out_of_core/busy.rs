@@ -1,30 +1,30 @@
-//! How long the stages of a round had work.
+//! The busy time of each stage of a round.
 
 use std::time::{Duration, Instant};
 
-/// Seconds that the stages of a round had work.
+/// Seconds that each stage of a round had work; what it waited for other stages is left out.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Busy {
+pub struct StageTimes {
     /// Reading and binning ahead.
     pub read: f64,
     /// Running kernels.
     pub kernels: f64,
-    /// Taking finished chunks.
+    /// Making the layers of finished chunks, and their sink.
     pub take: f64,
 }
 
-/// The time of a stage's thread, without the time that it waits for another stage.
-pub(super) struct Clock {
+/// A clock of the work of a stage's thread, which leaves out the time that the thread waits for another stage.
+pub(super) struct StageClock {
     started: Instant,
     waited: Duration,
 }
 
-impl Clock {
-    pub fn start() -> Clock {
-        Clock { started: Instant::now(), waited: Duration::ZERO }
+impl StageClock {
+    pub fn start() -> StageClock {
+        StageClock { started: Instant::now(), waited: Duration::ZERO }
     }
 
-    /// Runs what only waits for another stage.
+    /// Runs a function that only waits for another stage.
     pub fn wait<T>(&mut self, run: impl FnOnce() -> T) -> T {
         let started = Instant::now();
         let done = run();

@@ -1,6 +1,6 @@
-//! A log to a map's files, chunk by chunk: what is done first, and what a resumed run needn't do again.
+//! Maps a log into a sink of chunks. A resumed run skips the chunks that the sink has, and reads the totals of the first rounds back.
 
-use super::{Chunk, Plan, Run};
+use super::{FinishedChunk, OutOfCoreRun, ResourcePlan};
 use crate::grid::{Place, places};
 use crate::kernels::Backend;
 use crate::log::reading::Counts;
@@ -11,103 +11,111 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
 
-/// The file that keeps what the first rounds found, for a resumed run.
-pub const FOUND: &str = "found.bin";
-/// The same while it is written.
-pub const FOUND_PARTIAL: &str = "found.partial";
+/// The file that keeps the totals of the first rounds for a resumed run.
+pub const TOTALS: &str = "found.bin";
+/// The name of [`TOTALS`] while it is written.
+pub const TOTALS_PARTIAL: &str = "found.partial";
 
-/// Where finished chunks go.
+/// The sink of finished chunks, such as the files of a map.
 pub trait ChunkSink: Send {
-    /// The chunks that an earlier run wrote.
+    /// The chunks that are written, by this run or an earlier one.
     fn done(&self) -> BTreeSet<Place>;
 
-    /// Writes a chunk, once.
+    /// Writes a chunk that is not written yet.
     ///
     /// # Errors
     /// [`Error::Resources`] where it can't be written.
-    fn write(&mut self, chunk: &Chunk) -> Result<()>;
+    fn write(&mut self, chunk: &FinishedChunk) -> Result<()>;
 }
 
-/// Hears of a stage, by a word for people (`sorting`, `weighing`, [`MAPPING`]), and how many readings it goes over, each as often as
-/// it is taken; what it gives hears of readings as they are done.
+/// Starts the progress report of a stage. It gets the stage's name (`sorting`, `weighing` or [`MAPPING`]) and the number of readings
+/// that the stage goes over, each counted as often as it is taken; the function that it returns receives the number of readings done
+/// since its last call.
 pub type Progress<'a> = &'a dyn Fn(&'static str, u64) -> Box<dyn Fn(u64)>;
 
-/// What a log's mapping came to.
+/// The counts and times of a mapped log.
 #[derive(Debug, Clone)]
-pub struct Done {
-    /// What became of its readings.
+pub struct MappingStatistics {
+    /// What became of the log's readings.
     pub counts: Counts,
     /// Seconds of each stage.
     pub seconds: Vec<(String, f64)>,
-    /// Seconds that each thread of the last stage had work: `read` ahead, `kernels`, `take` finished chunks and write them.
+    /// Busy seconds of each thread of the last round: `read` (and bin) ahead, `kernels`, `take` (and write) finished chunks.
     pub busy: Vec<(String, f64)>,
 }
 
-/// The last stage's name: its chunks are written as they are finished.
+/// The name of the last stage: its chunks are written as they are finished.
 pub const MAPPING: &str = "mapping";
 
-/// Maps a log into an open map. Spilled readings and what a resumed run needs lie in `folder`.
+/// The output of a run.
+pub struct MapOutput<'a> {
+    /// The folder of spilled readings and of the totals that a resumed run needs.
+    pub folder: &'a Path,
+    /// The progress of each stage.
+    pub progress: Progress<'a>,
+    /// The sink of finished chunks.
+    pub sink: &'a mut dyn ChunkSink,
+}
+
+/// Maps a log into a sink of chunks.
 ///
 /// # Errors
 /// The log's; [`Error::Resources`] where something can't be written; the backend's.
 pub fn map(
     session: &Session,
     backend: &mut dyn Backend,
-    plan: &Plan,
-    folder: &Path,
-    progress: Progress,
-    sink: &mut dyn ChunkSink,
-) -> Result<Done> {
+    plan: &ResourcePlan,
+    output: MapOutput,
+) -> Result<MappingStatistics> {
+    let MapOutput { folder, progress, sink } = output;
     let (mut seconds, mut clock) = (Vec::new(), Instant::now());
     let mut lap = |stage: &str| {
         seconds.push((stage.to_string(), clock.elapsed().as_secs_f64()));
         clock = Instant::now();
     };
     let used = session.survey.counts.used;
-    let mut run = Run::begin(session, plan.batch, folder, plan.bins, &*progress("sorting", used))?;
+    let mut run = OutOfCoreRun::begin(session, plan.batch, folder, plan.bins, &*progress("sorting", used))?;
     lap("bin");
-    let rounds = session.method.rounds().unwrap_or_default();
     let binned: u64 = run.places().iter().map(|p| p.1).sum();
-    let found = folder.join(FOUND);
-    if let [before @ .., _] = rounds
-        && !before.is_empty()
-    {
-        match recall(&found, run.found().len()) {
-            Some(words) => *run.found() = words,
+    let kept_totals = folder.join(TOTALS);
+    let before = run.first_rounds();
+    if !before.is_empty() {
+        match read_totals(&kept_totals, run.totals().len()) {
+            Some(totals) => *run.totals() = totals,
             None => {
                 let traversals = before.iter().map(|r| r.len() as u64).sum::<u64>();
                 run.gather(backend, &*progress("weighing", binned * traversals))?;
-                keep(folder, run.found())?;
+                write_totals(folder, run.totals())?;
             }
         }
         lap("gather");
     }
     let done = sink.done();
     let rest = run.places().iter().filter(|p| !done.contains(&p.0)).map(|p| p.1).sum::<u64>();
-    let traversals = rounds.last().map_or(1, |r| r.len() as u64);
+    let traversals = run.last_round().len() as u64;
     let bar = progress(MAPPING, rest * traversals);
     run.finish(backend, &done, &*bar, &mut |chunk| sink.write(&chunk))?;
     lap("map");
-    let _ = std::fs::remove_file(&found);
+    let _ = std::fs::remove_file(&kept_totals);
     debug_assert!(places(&session.grid).count() >= sink.done().len());
     let Counts { outside, empty_arc, wide, .. } = run.counts;
     let counts = Counts { outside, empty_arc, wide, ..session.survey.counts };
     let busy = [("read", run.busy.read), ("kernels", run.busy.kernels), ("take", run.busy.take)];
-    Ok(Done { counts, seconds, busy: busy.map(|(thread, s)| (thread.to_string(), s)).into() })
+    Ok(MappingStatistics { counts, seconds, busy: busy.map(|(thread, s)| (thread.to_string(), s)).into() })
 }
 
-/// Keeps what was found, with a checksum, whole or not at all.
-fn keep(folder: &Path, found: &[u32]) -> Result<()> {
-    let [path, partial] = [FOUND, FOUND_PARTIAL].map(|name| folder.join(name));
+/// Writes the totals with a checksum. The file appears whole or not at all.
+fn write_totals(folder: &Path, totals: &[u32]) -> Result<()> {
+    let [path, partial] = [TOTALS, TOTALS_PARTIAL].map(|name| folder.join(name));
     let full =
         |e: std::io::Error| Error::Resources(format!("{} can't be written: {e}; free space there", path.display()));
-    let bytes: &[u8] = bytemuck::cast_slice(found);
+    let bytes: &[u8] = bytemuck::cast_slice(totals);
     std::fs::write(&partial, [&Sha256::digest(bytes)[..], bytes].concat()).map_err(full)?;
     std::fs::rename(&partial, &path).map_err(full)
 }
 
-/// What an earlier run found for so many readings, if it is whole.
-fn recall(path: &Path, readings: usize) -> Option<Vec<u32>> {
+/// Reads the totals that an earlier run wrote for so many readings; `None`: there are none, or the file is damaged.
+fn read_totals(path: &Path, readings: usize) -> Option<Vec<u32>> {
     let kept = std::fs::read(path).ok()?;
     let (sum, bytes) = kept.split_at_checked(32)?;
     let whole = bytes.len() == 4 * readings && Sha256::digest(bytes)[..] == *sum;

@@ -1,4 +1,4 @@
-//! How a run is to be done: with how much memory and disk, checked before it starts.
+//! The memory and disk that a run will take, checked before it starts.
 
 use crate::grid::GridSpec;
 use crate::pipeline::memory;
@@ -7,46 +7,46 @@ use crate::support::memory::{available, format_size, free_space};
 use crate::{Error, Result};
 use std::path::Path;
 
-/// How a run is to be done, checked before it starts.
+/// The batch size of a run, and the memory and disk that it will take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Plan {
+pub struct ResourcePlan {
     /// Readings at a time.
     pub batch: usize,
-    /// What the run takes, bytes, apart from the binned readings.
+    /// Memory of the run, bytes, without the binned readings.
     pub needed: u64,
-    /// What the binned readings may take, bytes, before they are spilled.
+    /// Memory that the binned readings may take, bytes, before they are spilled.
     pub bins: u64,
-    /// What the cells and batches take on a card, bytes, where a GPU maps.
+    /// Memory of the cells and batches on a card, bytes, where a GPU maps.
     pub card: u64,
-    /// What its files take on disk, bytes, without what is compressed.
+    /// Disk space of the files that are not compressed, bytes.
     pub disk: u64,
 }
 
-/// Memory that a run leaves alone where no cap is given, as a share: others want some too.
+/// One part in so many of the free memory is left to other programs where no cap is given.
 const SPARE: u64 = 4;
 
-impl Plan {
-    /// The plan for a log under a cap, bytes; `batch`: readings at a time at most.
+impl ResourcePlan {
+    /// Plans a run under a cap, bytes. `batch`: the most readings at a time.
     ///
     /// # Errors
     /// [`Error::Resources`] where the cap, or the machine, has too little.
-    pub fn of(session: &Session, batch: usize, cap: Option<u64>) -> Result<Plan> {
+    pub fn of(session: &Session, batch: usize, cap: Option<u64>) -> Result<ResourcePlan> {
         let free = available().map(|free| free - free / SPARE);
         let limit = [cap, free].into_iter().flatten().min().unwrap_or(4 << 30);
         let (grid, method, used) = (&session.grid, session.method.as_ref(), session.survey.counts.used);
-        let batch = memory::whole_batch(batch, limit);
-        let needed = memory::whole(grid, method, batch, used, session.survey.scans);
+        let batch = memory::out_of_core_batch(batch, limit);
+        let needed = memory::out_of_core(grid, method, batch, used, session.survey.scans);
         let card = memory::card(method, batch);
         session.check_memory(needed, cap)?;
         // map.pgm, and the levels of the overview
         let disk = grid.cells() as u64 + grid.cells() as u64 / 3;
-        Ok(Plan { batch, needed, bins: limit.saturating_sub(needed) / 2, card, disk })
+        Ok(ResourcePlan { batch, needed, bins: limit.saturating_sub(needed) / 2, card, disk })
     }
 
-    /// Fails where a card would need more than the cap, bytes. No adapter tells how much it has free: one that runs out says so.
+    /// Checks that a card needs no more than the cap, bytes. No adapter tells how much memory it has free.
     ///
     /// # Errors
-    /// [`Error::Resources`].
+    /// [`Error::Resources`] where it needs more.
     pub fn check_card(&self, session: &Session, cap: Option<u64>) -> Result<()> {
         match cap {
             Some(cap) if self.card > cap => Err(session.explain(Error::Resources(format!(
@@ -58,7 +58,10 @@ impl Plan {
         }
     }
 
-    /// Fails where the map's files don't fit into a folder; `npy`: every layer is written as an array, too.
+    /// Checks that the map's files fit into a folder; `npy`: every layer is written as an array, too.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where they don't.
     pub fn check_space(&self, session: &Session, folder: &Path, npy: bool) -> Result<()> {
         let GridSpec { width, height, resolution, .. } = session.grid;
         let arrays = 4 * session.method.layers().len() as u64 + 2;

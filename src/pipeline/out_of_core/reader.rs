@@ -1,36 +1,37 @@
-//! The batches of a chunk, binned, in log order.
+//! Reads the inputs of a chunk and bins them to batches, in log order.
 
-use super::{Bins, Scanned};
+use super::ChunkBins;
 use crate::Result;
 use crate::binning::batch::{Batch, Binning, snapped};
 use crate::geometry::layout::Cone;
 use crate::grid::{GridSpec, Place};
 use crate::kernels::Limits;
 use crate::method::{Method, Step, Steps};
-use crate::pipeline::mapper::too_large;
+use crate::pipeline::batching::exceeds_limits;
+use crate::pipeline::scans::ChunkedScans;
 
-/// What the chunks are made of.
-pub(super) enum Source {
+/// The inputs of all chunks.
+pub(super) enum InputSource {
     /// Readings, by chunk.
-    Readings(Bins),
-    /// Scans, and where their poses are.
-    Scans(Box<Scanned>),
+    Readings(ChunkBins),
+    /// Scans, with an index of their poses.
+    Scans(Box<ChunkedScans>),
 }
 
-impl Source {
-    /// The chunks that readings reach, row by row, and how many readings each has.
+impl InputSource {
+    /// The chunks that readings reach, row by row, each with its number of readings.
     pub fn places(&self) -> Vec<(Place, u64)> {
         match self {
-            Source::Readings(bins) => bins.places(),
-            Source::Scans(scans) => scans.places(),
+            InputSource::Readings(bins) => bins.places(),
+            InputSource::Scans(scans) => scans.places(),
         }
     }
 
     /// Bytes that were spilled to disk.
     pub fn spilled(&self) -> u64 {
         match self {
-            Source::Readings(bins) => bins.spilled(),
-            Source::Scans(scans) => scans.spilled(),
+            InputSource::Readings(bins) => bins.spilled(),
+            InputSource::Scans(scans) => scans.spilled(),
         }
     }
 }
@@ -40,26 +41,26 @@ pub(super) struct BinnedBatch {
     pub place: Place,
     pub steps: Steps,
     pub batch: Batch,
-    /// The readings' numbers in the log; none for scans.
+    /// The numbers of its readings in the log; empty for scans.
     pub numbers: Vec<u32>,
-    /// How many readings it is, in the chunk's count.
+    /// Its share of the chunk's number of readings.
     pub readings: u64,
     /// Whether it is the chunk's last of this round.
     pub last: bool,
 }
 
 /// Reads chunks batch by batch.
-pub(super) struct Reader<'a> {
-    pub source: &'a Source,
+pub(super) struct ChunkReader<'a> {
+    pub source: &'a InputSource,
     pub grid: &'a GridSpec,
     pub method: &'a dyn Method,
-    /// Readings at a time, before the backend's limits.
+    /// Readings at a time; the backend's limits may lower it.
     pub batch: usize,
     pub limits: Limits,
 }
 
-/// One part of a chunk's readings, to be binned.
-struct Part<'a> {
+/// A part of a chunk's readings, to be binned.
+struct ChunkPart<'a> {
     binning: &'a Binning,
     place: Place,
     steps: Steps,
@@ -67,10 +68,10 @@ struct Part<'a> {
     last: bool,
 }
 
-/// Takes batches; `false` when it takes no more.
-pub(super) type Give<'a> = dyn FnMut(BinnedBatch) -> bool + 'a;
+/// Takes a batch; returns `false` to take no more.
+pub(super) type OnBatch<'a> = dyn FnMut(BinnedBatch) -> bool + 'a;
 
-/// How a method's readings are binned onto a grid for these steps.
+/// The binning of a method's readings onto a grid, or onto one chunk of it, for these steps.
 pub(super) fn binning(grid: &GridSpec, method: &dyn Method, steps: &[Step], only: Option<Place>) -> Binning {
     Binning {
         size: [grid.width, grid.height],
@@ -80,12 +81,15 @@ pub(super) fn binning(grid: &GridSpec, method: &dyn Method, steps: &[Step], only
     }
 }
 
-impl Reader<'_> {
-    /// Gives a chunk's batches in order, `traversals` times over its readings; stops when nobody takes them any more.
-    pub fn batches(&self, place: Place, count: u64, traversals: &'static [Steps], give: &mut Give) -> Result<()> {
+impl ChunkReader<'_> {
+    /// Gives the batches of a chunk in order, one pass over its readings for each of `traversals`. `give` returns `false` to stop.
+    ///
+    /// # Errors
+    /// [`crate::Error::Resources`] where spilled readings can't be read back, or one reading exceeds the backend's limits.
+    pub fn batches(&self, place: Place, count: u64, traversals: &'static [Steps], give: &mut OnBatch) -> Result<()> {
         match self.source {
-            Source::Readings(bins) => self.of_readings(bins, place, count as usize, traversals, give),
-            Source::Scans(scans) => {
+            InputSource::Readings(bins) => self.of_readings(bins, (place, count as usize), traversals, give),
+            InputSource::Scans(scans) => {
                 let batch = self.batch.clamp(1, self.limits.readings);
                 scans.batches(place, batch, self.limits, &mut |batch, share, last| {
                     let readings = (share * count as f64) as u64;
@@ -97,18 +101,17 @@ impl Reader<'_> {
 
     fn of_readings(
         &self,
-        bins: &Bins,
-        place: Place,
-        count: usize,
+        bins: &ChunkBins,
+        (place, count): (Place, usize),
         traversals: &'static [Steps],
-        give: &mut Give,
+        give: &mut OnBatch,
     ) -> Result<()> {
         let batch = self.batch.clamp(1, self.limits.readings);
         for (t, steps) in traversals.iter().enumerate() {
             let binning = &binning(self.grid, self.method, steps, Some(place));
             for first in (0..count).step_by(batch) {
                 let last = t + 1 == traversals.len() && first + batch >= count;
-                let part = Part { binning, place, steps, last };
+                let part = ChunkPart { binning, place, steps, last };
                 if !self.split(&part, bins.read(place, first, batch)?, give)? {
                     return Ok(());
                 }
@@ -117,22 +120,22 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Bins cones, in halves where they come to too much; whether they were all taken.
-    fn split(&self, part: &Part, cones: Vec<Cone>, give: &mut Give) -> Result<bool> {
-        let Part { binning, place, steps, last } = *part;
+    /// Bins cones, in halves where they exceed the backend's limits; returns whether they were all taken.
+    fn split(&self, part: &ChunkPart, cones: Vec<Cone>, give: &mut OnBatch) -> Result<bool> {
+        let ChunkPart { binning, place, steps, last } = *part;
         let numbers: Vec<u32> = cones.iter().map(|c| c.index).collect();
         let batch = binning.of(&cones, snapped, self.limits.bins_tiles);
         let sums = steps.contains(&Step::Sum);
         let fits = match &batch {
-            Some(batch) => !too_large(self.method, batch, sums, self.limits, cones.len() == 1)?,
+            Some(batch) => !exceeds_limits(self.method, batch, sums, self.limits, cones.len() == 1)?,
             None => false,
         };
         match batch.filter(|_| fits) {
             Some(batch) => Ok(give(BinnedBatch { place, steps, batch, readings: numbers.len() as u64, numbers, last })),
             None => {
-                let (head, tail) = cones.split_at(cones.len() / 2);
-                let first = Part { last: false, ..*part };
-                Ok(self.split(&first, head.to_vec(), give)? && self.split(part, tail.to_vec(), give)?)
+                let (front, back) = cones.split_at(cones.len() / 2);
+                let first = ChunkPart { last: false, ..*part };
+                Ok(self.split(&first, front.to_vec(), give)? && self.split(part, back.to_vec(), give)?)
             }
         }
     }

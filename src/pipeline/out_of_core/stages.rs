@@ -1,52 +1,54 @@
-//! A round over the chunks as three stages, each on a thread, with bounded queues between them: read and bin ahead, run the
-//! kernels, take finished chunks.
+//! A round over the chunks as three stages, each on a thread, with bounded queues between them: read and bin ahead; run the kernels;
+//! make the layers of finished chunks and hand them to the sink.
 
-use super::busy::{Busy, Clock};
-use super::reader::{BinnedBatch, Reader};
+use super::busy::{StageClock, StageTimes};
+use super::reader::{BinnedBatch, ChunkReader};
 use crate::grid::{GridSpec, Place, part};
 use crate::kernels::{Backend, ChunkStates, Shares, normalize_by_count};
 use crate::method::{Method, Step, Steps};
-use crate::pipeline::finished::Finished;
+use crate::pipeline::batching::frame;
+use crate::pipeline::finished::FinishedMap;
 use crate::pipeline::layers;
-use crate::pipeline::mapper::frame;
 use crate::{Error, Result};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// A finished chunk.
 #[derive(Debug, Clone)]
-pub struct Chunk {
+pub struct FinishedChunk {
     /// Row and column.
     pub place: Place,
     /// Its part of the map, on its part of the grid.
-    pub finished: Finished,
+    pub finished: FinishedMap,
 }
 
-/// Takes finished chunks, in order.
-pub type Take<'a> = dyn FnMut(Chunk) -> Result<()> + Send + 'a;
+/// Receives the finished chunks, in order.
+pub type OnChunk<'a> = dyn FnMut(FinishedChunk) -> Result<()> + Send + 'a;
 
-/// One round: these chunks, with their counts of readings, gone through with these steps.
+/// One round over the chunks.
 pub(super) struct Round<'a> {
     pub grid: &'a GridSpec,
     pub method: &'a dyn Method,
+    /// The steps of each pass over a chunk's readings.
     pub traversals: &'static [Steps],
+    /// The chunks, each with its number of readings.
     pub places: &'a [(Place, u64)],
-    /// Hears of readings as their batches are done.
+    /// Receives the number of readings done since its last call.
     pub progress: &'a dyn Fn(u64),
 }
 
 impl Round<'_> {
-    /// Runs the round. `found` is what the rounds have found for each reading so far. With `take` it is the last round: chunks are
-    /// finished and taken.
+    /// Runs the round. `totals` holds the total of each reading so far; it is empty for a method of one round. With `take` it is the
+    /// last round: chunks are finished and handed to `take`.
     ///
     /// # Errors
-    /// The first of the stages', in the order of the data.
+    /// The first error of the stages, in the order of the data.
     pub fn run(
         &self,
-        reader: &Reader,
+        reader: &ChunkReader,
         backend: &mut dyn Backend,
-        found: &mut [u32],
-        take: Option<&mut Take>,
-    ) -> Result<Busy> {
+        totals: &mut [u32],
+        take: Option<&mut OnChunk>,
+    ) -> Result<StageTimes> {
         let (grid, method, last) = (self.grid, self.method, take.is_some());
         let (places, traversals) = (self.places, self.traversals);
         std::thread::scope(|scope| {
@@ -56,23 +58,23 @@ impl Round<'_> {
             let give_back = backend.recycles_buffers().then_some(give_back);
             let reading = scope.spawn(move || read(reader, places, traversals, &ready));
             let taking = take.map(|take| scope.spawn(move || finish(grid, method, &words, give_back.as_ref(), take)));
-            let kernels = self.kernels(backend, found, Queues { batches, finished, zeros, last });
+            let kernels = self.kernels(backend, totals, Queues { batches, finished, zeros, last });
             // A stage that panicked closed its queue, which looks like an end.
             let read = reading.join().map_err(|_| died("the chunks' reader"));
             let taken = taking.map_or(Ok(0.0), |t| t.join().unwrap_or_else(|_| Err(died("the chunks' writer"))));
-            Ok(Busy { kernels: kernels?, read: read?, take: taken? })
+            Ok(StageTimes { kernels: kernels?, read: read?, take: taken? })
         })
     }
 
     /// The second stage: runs the kernels over each batch. The queues close when it ends, so that no other stage waits for it.
-    fn kernels(&self, backend: &mut dyn Backend, found: &mut [u32], queues: Queues) -> Result<f64> {
+    fn kernels(&self, backend: &mut dyn Backend, totals: &mut [u32], queues: Queues) -> Result<f64> {
         let Queues { batches, finished, zeros, last: last_round } = queues;
         let rounds = self.method.rounds().unwrap_or_default();
         let counted = rounds.iter().copied().flatten().any(|steps| steps.contains(&Step::AccumulateCounts));
-        let mut clock = Clock::start();
+        let mut clock = StageClock::start();
         while let Ok(batch) = clock.wait(|| batches.recv()) {
             let BinnedBatch { place, steps, batch, numbers, readings, last } = batch?;
-            let before = numbers.iter().map(|n| found.get(*n as usize).copied().unwrap_or(0));
+            let before = numbers.iter().map(|n| totals.get(*n as usize).copied().unwrap_or(0));
             let mut share: Shares = match last_round && counted {
                 true => normalize_by_count(self.method, before, batch.cones()),
                 false => before.map(|word| [word, 0, 0, 0]).collect(),
@@ -80,10 +82,11 @@ impl Round<'_> {
             zeros.try_iter().for_each(|zeros| backend.recycle(zeros));
             backend.apply(self.method, frame(self.grid, self.method), &batch, steps, &mut share)?;
             if !last_round {
-                numbers.iter().zip(&share).for_each(|(n, s)| found[*n as usize] = s[0]);
+                numbers.iter().zip(&share).for_each(|(n, s)| totals[*n as usize] = s[0]);
             }
             (self.progress)(readings);
             let words = if last { backend.take(place)? } else { None };
+            // There is more to come for the chunk, or nothing has reached it.
             let Some(mut words) = words else { continue };
             if last_round {
                 // A last stage that failed has the error.
@@ -103,7 +106,7 @@ impl Round<'_> {
 struct Queues {
     batches: Receiver<Result<BinnedBatch>>,
     finished: SyncSender<(Place, Vec<u32>)>,
-    /// Memory of finished chunks, zeros again.
+    /// The zeroed memory of finished chunks, to be reused.
     zeros: Receiver<Vec<u32>>,
     /// Whether it is the last round.
     last: bool,
@@ -111,12 +114,12 @@ struct Queues {
 
 /// The first stage: reads the chunks' readings and bins them, one batch ahead.
 fn read(
-    reader: &Reader,
+    reader: &ChunkReader,
     places: &[(Place, u64)],
     traversals: &'static [Steps],
     ready: &SyncSender<Result<BinnedBatch>>,
 ) -> f64 {
-    let mut clock = Clock::start();
+    let mut clock = StageClock::start();
     let ahead = places.iter().try_for_each(|(place, count)| {
         let give = &mut |batch| clock.wait(|| ready.send(Ok(batch)).is_ok());
         reader.batches(*place, *count, traversals, give)
@@ -134,9 +137,9 @@ fn finish(
     method: &dyn Method,
     words: &Receiver<(Place, Vec<u32>)>,
     give_back: Option<&SyncSender<Vec<u32>>>,
-    take: &mut Take,
+    take: &mut OnChunk,
 ) -> Result<f64> {
-    let mut clock = Clock::start();
+    let mut clock = StageClock::start();
     while let Ok((place, words)) = clock.wait(|| words.recv()) {
         let mut cells: ChunkStates = [([0, 0], words)].into();
         let finished = layers::from_chunks(&part(grid, place), method, &cells);
@@ -145,7 +148,7 @@ fn finish(
             // If the one before is still there, one is enough.
             let _ = give_back.try_send(words);
         }
-        take(Chunk { place, finished })?;
+        take(FinishedChunk { place, finished })?;
     }
     Ok(clock.worked())
 }

@@ -1,4 +1,4 @@
-//! Cells and tiles in a kernel's chunks.
+//! Access to the cells and tiles in the chunks of a kernel.
 
 use crate::geometry::layout::{CHUNK, TILE, TILE_CELLS};
 use crate::grid::Class;
@@ -6,7 +6,7 @@ use crate::kernels::ChunkStates;
 use crate::method::Method;
 use std::collections::BTreeSet;
 
-/// Tiles of 16 × 16 cells, by row and column.
+/// A set of tiles of 16 × 16 cells, by row and column.
 pub type Tiles = BTreeSet<[u32; 2]>;
 
 /// A cell that an item changed.
@@ -18,22 +18,22 @@ pub struct Touched {
     pub row: usize,
     /// Whether it was updated from an arc; else from an interior (or its words changed without).
     pub arc: bool,
-    /// Its words before, one of each plane.
+    /// Its words before the item, one of each plane.
     pub before: Vec<u32>,
-    /// And after.
+    /// Its words after the item.
     pub after: Vec<u32>,
 }
 
-/// What a cell's words mean.
+/// A cell, decoded from its words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// Whether a reading reached it.
+    /// Whether an item reached it.
     pub touched: bool,
-    /// Its layers, in the method's order; the fill values where none did.
+    /// The values of its layers, in the method's order; the fill values of an untouched cell.
     pub values: Vec<f32>,
     /// Its class.
     pub class: Class,
-    /// Its place in the combined picture, −1 to 1.
+    /// Its value in the combined picture, −1 to 1.
     pub combined: f32,
     /// Interior updates.
     pub interior: u32,
@@ -42,7 +42,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Of a method's cell with these words; no words: nothing reached it.
+    /// Decodes the words of a method's cell; `None`: nothing reached it.
     pub fn of(method: &dyn Method, words: Option<&[u32]>) -> Cell {
         let mut values: Vec<f32> = method.layers().iter().map(|l| l.fill).collect();
         let seen = words.filter(|w| w[0] + w[1] > 0 || method.has_subthreshold_evidence(w));
@@ -53,37 +53,37 @@ impl Cell {
     }
 }
 
-/// Where a tile's words lie: its chunk's row and column, and its slot there.
+/// The chunk of a tile, by row and column, and the tile's slot there.
 pub(super) fn place([row, column]: [u32; 2]) -> ([u32; 2], usize) {
     let chunk = [row, column].map(|t| t / CHUNK as u32);
     (chunk, row as usize % CHUNK * CHUNK + column as usize % CHUNK)
 }
 
-/// The tile in a slot of the chunk in this row and column.
+/// The tile, by row and column, in a slot of a chunk.
 pub(crate) fn tile_at(chunk: [u32; 2], slot: u32) -> [u32; 2] {
     let edge = CHUNK as u32;
     [chunk[0] * edge + slot / edge, chunk[1] * edge + slot % edge]
 }
 
-/// The words of the tile in this row and column, plane by plane, of so many planes; `None`: its chunk isn't there.
+/// The words of a tile, plane by plane; `None`: its chunk has no memory yet, all of its words are 0.
 pub fn tile_of(chunks: &ChunkStates, planes: usize, tile: [u32; 2]) -> Option<&[u32]> {
     let ((chunk, slot), words) = (place(tile), planes * TILE_CELLS);
     chunks.get(&chunk)?.get(slot * words..(slot + 1) * words)
 }
 
-/// The words of a cell, one of each plane; `None`: all of them are 0, or its chunk isn't there.
+/// The words of a cell, one of each plane; `None`: all of them are 0.
 pub fn cell_of(chunks: &ChunkStates, planes: usize, column: usize, row: usize) -> Option<Vec<u32>> {
     let tile = tile_of(chunks, planes, [(row / TILE) as u32, (column / TILE) as u32])?;
     let words = words_at(tile, planes, row % TILE * TILE + column % TILE);
     words.iter().any(|w| *w != 0).then_some(words)
 }
 
-/// A cell's words in its tile.
+/// The words of the cell at an index of its tile.
 pub(super) fn words_at(tile: &[u32], planes: usize, at: usize) -> Vec<u32> {
     (0..planes).map(|p| tile.get(p * TILE_CELLS + at).copied().unwrap_or(0)).collect()
 }
 
-/// The cells of a tile whose words differ.
+/// Appends the cells of a tile whose words differ to `to`.
 pub(super) fn changes([row, column]: [u32; 2], planes: usize, before: &[u32], after: &[u32], to: &mut Vec<Touched>) {
     for at in 0..TILE_CELLS {
         let [old, new] = [before, after].map(|tile| words_at(tile, planes, at));

@@ -1,26 +1,26 @@
-//! Getting from one place of the log to another.
+//! Moves a stepper to another position of the log.
 
 use super::cells::{Tiles, changes, tile_of};
-use super::{Items, Stepper};
-use crate::Result;
+use super::{LogInputs, Stepper};
 use crate::geometry::layout::TILE_CELLS;
 use crate::method::{self, tile_words};
 use crate::pipeline::step::apply;
+use crate::{Error, Result};
 use std::collections::BTreeMap;
 
-/// By what a step goes.
+/// The length of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum By {
-    /// So many items: readings, or what the method takes.
+    /// So many items; negative: back.
     Items(i64),
-    /// So many scans, to their end; back to their beginning.
+    /// So many scans: forwards to the end of the last, back (negative) to the beginning of the first.
     Scans(i64),
     /// To a position.
     To(usize),
 }
 
 impl Stepper {
-    /// Where a step leads from here, within the log.
+    /// The position that a step leads to, within the log.
     pub fn target(&self, by: By) -> usize {
         let total = self.items.len();
         match by {
@@ -40,8 +40,8 @@ impl Stepper {
         }
     }
 
-    /// Goes to a position for as long as `more` says so, window by window; what of the map may differ from what it was. Ends on a
-    /// position from which it can go on.
+    /// Moves towards a position, window by window, for as long as `more` returns true; it ends on a position from which it can go on.
+    /// Returns the tiles that may have changed.
     ///
     /// # Errors
     /// The kernels', and those of spilled scans.
@@ -52,13 +52,13 @@ impl Stepper {
         }
         let mut reached = Tiles::new();
         match self.items {
-            Items::Readings(_) | Items::Updates(..) => self.follow(to, more, &mut reached)?,
-            Items::Anew(_) | Items::Scans(_) => self.remake(to, &mut reached)?,
+            LogInputs::Readings(_) | LogInputs::Updates(..) => self.follow(to, more, &mut reached)?,
+            LogInputs::SweptReadings(_) | LogInputs::Scans(_) => self.recompute(to, &mut reached)?,
         }
         Ok(reached)
     }
 
-    /// Item after item, from a snapshot where it goes back.
+    /// Applies item after item; a step back starts from a snapshot.
     fn follow(&mut self, to: usize, more: &mut dyn FnMut() -> bool, reached: &mut Tiles) -> Result<()> {
         if to <= self.position {
             // The last item is applied by itself, to see what it does.
@@ -77,13 +77,13 @@ impl Stepper {
             let mut tiles = apply::tiles(&self.session, &self.items, self.position)?;
             let before = self.copy(&tiles);
             self.advance(self.position + 1, &mut tiles)?;
-            self.note(&before);
+            self.note_changes(&before);
             reached.append(&mut tiles);
         }
         Ok(())
     }
 
-    /// Applies the items from the position to another, and keeps a snapshot where one is due.
+    /// Applies the items up to a position, and keeps a snapshot where one is due.
     fn advance(&mut self, to: usize, reached: &mut Tiles) -> Result<()> {
         let mut tiles = Tiles::new();
         let from = self.position;
@@ -96,8 +96,8 @@ impl Stepper {
         Ok(())
     }
 
-    /// The state of a position by itself, in two steps, to see what the last item does.
-    fn remake(&mut self, to: usize, reached: &mut Tiles) -> Result<()> {
+    /// Computes the state before the last item and the state after it, to see what the item changes.
+    fn recompute(&mut self, to: usize, reached: &mut Tiles) -> Result<()> {
         self.touched.clear();
         let before = to.saturating_sub(1);
         for to in [before, to] {
@@ -106,7 +106,7 @@ impl Stepper {
             }
             let last = to > before;
             let copy = match &self.items {
-                Items::Scans(scans) => {
+                LogInputs::Scans(scans) => {
                     let change = scans.change(&self.session, self.position, to);
                     let tiles = change.reached();
                     let copy = if last { self.copy(&tiles) } else { BTreeMap::new() };
@@ -114,20 +114,23 @@ impl Stepper {
                     reached.extend(tiles);
                     copy
                 }
-                items => {
-                    let tiles = if last { apply::tiles(&self.session, items, before)? } else { Tiles::new() };
+                LogInputs::SweptReadings(all) => {
+                    let tiles = if last { apply::tiles(&self.session, &self.items, before)? } else { Tiles::new() };
                     let copy = self.copy(&tiles);
-                    self.shares = apply::anew(&self.session, items, to, &mut self.cpu, reached)?;
+                    self.shares = apply::all_sweeps(&self.session, &all[..to], &mut self.cpu, reached)?;
                     copy
+                }
+                LogInputs::Readings(_) | LogInputs::Updates(..) => {
+                    return Err(Error::Usage("readings and updates are applied one by one".into()));
                 }
             };
             self.position = to;
-            self.note(&copy);
+            self.note_changes(&copy);
         }
         Ok(())
     }
 
-    /// Copies of tiles.
+    /// Copies the words of tiles.
     fn copy(&self, tiles: &Tiles) -> BTreeMap<[u32; 2], Vec<u32>> {
         let planes = method::planes(self.method());
         let words = |tile: &[u32; 2]| match tile_of(self.chunks(), planes, *tile) {
@@ -137,8 +140,8 @@ impl Stepper {
         tiles.iter().map(|tile| (*tile, words(tile))).collect()
     }
 
-    /// Notes the cells that differ from what they were.
-    fn note(&mut self, before: &BTreeMap<[u32; 2], Vec<u32>>) {
+    /// Lists the cells of tiles that differ from a copy.
+    fn note_changes(&mut self, before: &BTreeMap<[u32; 2], Vec<u32>>) {
         let planes = method::planes(self.method());
         let mut touched = Vec::new();
         for (tile, old) in before {

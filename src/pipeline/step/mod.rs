@@ -1,67 +1,68 @@
-//! Stepping through a log: the map after any of its readings, what the last one did, and back again.
+//! Stepping through a log, forwards and backwards: the map after any of its inputs, and what the last input changed.
 //!
-//! A [`Stepper`] is a pure state machine over a log and a method: the same log, method and position give the same cells, by whichever
-//! steps it got there. It applies readings with the kernels of `map`, on the CPU, all chunks resident; what it ends with are the bytes
-//! that `map` writes. What it steps over is what the method takes one at a time ([`crate::method::Unit`]): a reading, a whole scan for a counting sensor
-//! model, for the feature-based grid an update, with all features of the log known as in `map`.
+//! A [`Stepper`] is a state machine over a log and a method: the cells depend on the log, the method and the position alone, not on the
+//! steps taken. It applies inputs with the CPU's kernels, with all chunks resident; at the end of the log its cells are those that `map`
+//! writes. An *item* is one input of the method ([`crate::method::Unit`]): a reading, a scan, or an update of the feature stage, which
+//! knows all features of the log as in `map`.
 //!
-//! Going back restores a snapshot and applies the readings from there. In the 1985 order of the certainty grid (`order=batch`) every reading
-//! changes what the others say: there the state is made anew for each position, that of `map --until`.
+//! A step back restores a snapshot and applies the items after it. A method of several sweeps (`order=batch` of the certainty grid, the
+//! order of 1985) is computed from nothing at each position, as `map --until` does.
 
 mod apply;
 mod cells;
+mod explain;
 mod go;
 mod history;
-mod items;
+mod inputs;
 mod packed;
-mod scans;
 mod snapshots;
-mod working;
+mod stepped_scans;
 
 pub(crate) use cells::tile_at;
 pub use cells::{Cell, Tiles, Touched, cell_of, tile_of};
+pub use explain::{CellStory, Explained, explain};
 pub use go::By;
 pub use history::{Event, History};
-pub use items::Items;
+pub use inputs::LogInputs;
 pub use packed::{Packed, steps};
-pub use working::{CellStory, Explained, explain};
 
 use crate::Result;
 use crate::grid::GridSpec;
 use crate::kernels::ChunkStates;
 use crate::kernels::cpu::Cpu;
 use crate::method::{self, Method};
-use crate::pipeline::finished::Finished;
+use crate::pipeline::finished::FinishedMap;
 use crate::pipeline::layers;
 use crate::pipeline::memory;
 use crate::pipeline::session::Session;
 use crate::sensor::Sensor;
 use snapshots::Snapshots;
 
-/// A place in a log, and the map of what lies before it.
+/// A position in a log, and the map of the items before it.
 pub struct Stepper {
     session: Session,
-    items: Items,
-    /// Where scans begin.
+    items: LogInputs,
+    /// The first item of each scan.
     starts: Vec<usize>,
     cpu: Cpu,
-    /// What each item's steps found for it so far ([`crate::kernels::Shares`]), from the first on.
+    /// The shares of the applied items ([`crate::kernels::Shares`]).
     shares: Vec<[u32; 4]>,
     snapshots: Snapshots,
     position: usize,
-    /// What the item before the position did.
+    /// The cells that the item before the position changed.
     touched: Vec<Touched>,
 }
 
 impl Stepper {
-    /// At the start of a session's log, whose readings are held in memory; `threads`: 0 for all. Snapshots take `snapshots` bytes at most.
+    /// Opens a stepper at the start of a session's log. All items are held in memory. `threads`: 0 for all of the processor's;
+    /// `snapshots`: the most memory that snapshots take, bytes.
     ///
     /// # Errors
-    /// The log's; [`crate::Error::Resources`] where `cap`, or what the machine has free, doesn't suffice for the whole map.
+    /// The log's; [`crate::Error::Resources`] where the whole map needs more than `cap`, or than is free.
     pub fn open(session: Session, threads: usize, cap: Option<u64>, snapshots: u64) -> Result<Stepper> {
-        let state = memory::needed(&session.grid, session.method.as_ref(), apply::WINDOW);
-        session.check_memory(state + Items::memory(&session) + snapshots, cap)?;
-        let items = Items::read(&session)?;
+        let state = memory::resident(&session.grid, session.method.as_ref(), apply::WINDOW);
+        session.check_memory(state + LogInputs::memory(&session) + snapshots, cap)?;
+        let items = LogInputs::read(&session)?;
         let snapshots = Snapshots::new(items.len(), snapshots);
         let (starts, cpu) = (items.starts(), Cpu::new(threads)?);
         Ok(Stepper { session, items, starts, cpu, shares: Vec::new(), snapshots, position: 0, touched: Vec::new() })
@@ -87,17 +88,17 @@ impl Stepper {
         self.session.sensors()
     }
 
-    /// What it steps over, in log order.
-    pub fn items(&self) -> &Items {
+    /// The items of the log, in order.
+    pub fn items(&self) -> &LogInputs {
         &self.items
     }
 
-    /// How many scans have begun before a position; those of which no reading is used don't count.
+    /// The number of scans that begin before a position. Scans without a used reading don't count.
     pub fn scans(&self, position: usize) -> usize {
         self.starts.partition_point(|start| *start < position)
     }
 
-    /// How many items were applied.
+    /// The number of items that are applied.
     pub fn position(&self) -> usize {
         self.position
     }
@@ -112,13 +113,13 @@ impl Stepper {
         &self.touched
     }
 
-    /// A cell's words; `None`: nothing has reached it.
+    /// The words of a cell; `None`: no item has reached it.
     pub fn words(&self, column: usize, row: usize) -> Option<Vec<u32>> {
         cell_of(self.chunks(), method::planes(self.method()), column, row)
     }
 
     /// The map so far, as `map` would give it.
-    pub fn finished(&self) -> Finished {
+    pub fn finished(&self) -> FinishedMap {
         layers::from_chunks(self.grid(), self.method(), self.chunks())
     }
 }

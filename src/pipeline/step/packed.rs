@@ -1,35 +1,35 @@
-//! Items packed for another's GPU: the very batch that a backend takes.
+//! Packs items for a GPU elsewhere, such as a browser's: the same batch that a backend takes.
 
 use super::apply::{binning, cone, snap_update};
-use super::{Items, Stepper};
+use super::{LogInputs, Stepper};
 use crate::binning::batch::Batch;
 use crate::binning::update::Bins;
 use crate::geometry::layout::{BROAD, Cone, Frame, WIDE};
 use crate::method::{Method, Step};
-use crate::pipeline::mapper::frame;
+use crate::pipeline::batching::frame;
 use crate::{Error, Result};
 use std::ops::Range;
 
-/// Items, packed.
+/// A batch of items, with what a kernel needs to know of it.
 pub struct Packed {
     /// The batch.
     pub batch: Batch,
     /// The frame, its mode still to be set.
     pub frame: Frame,
-    /// Whether one of its readings reaches farther than 1024 cells.
+    /// Whether one of the readings reaches farther than 1024 cells.
     pub wide: bool,
-    /// Whether one has a β of more than 22.5°.
+    /// Whether one of the readings has a half width β of more than 22.5°.
     pub broad: bool,
 }
 
-/// The steps that take a batch of a method to its cells.
+/// The steps that apply a batch of items to the cells.
 ///
 /// # Errors
-/// [`Error::Usage`] where no batch of items can do that by itself.
-pub fn steps(method: &dyn Method, items: &Items) -> Result<&'static [Step]> {
+/// [`Error::Usage`] where batches of items can't be applied one after the other.
+pub fn steps(method: &dyn Method, items: &LogInputs) -> Result<&'static [Step]> {
     let why = match items {
-        Items::Scans(_) => "a cell takes its nearest poses in the whole log, so that no batch in time updates it",
-        Items::Anew(_) => "in the 1985 order every reading changes what the others say",
+        LogInputs::Scans(_) => "a cell takes its nearest poses in the whole log, so that no batch in time updates it",
+        LogInputs::SweptReadings(_) => "in the 1985 order every reading changes what the others say",
         _ => match method.cpu_only() {
             None => return Ok(method.sweeps()[0]),
             Some(why) => why,
@@ -39,7 +39,7 @@ pub fn steps(method: &dyn Method, items: &Items) -> Result<&'static [Step]> {
 }
 
 impl Stepper {
-    /// Packs some items.
+    /// Packs a range of items.
     ///
     /// # Errors
     /// As [`steps`]; the updates'.
@@ -47,7 +47,7 @@ impl Stepper {
         let steps = steps(self.method(), self.items())?;
         let session = self.session();
         let batch = match self.items() {
-            Items::Updates(all, _) => {
+            LogInputs::Updates(all, _) => {
                 let snapped = all[range].iter().map(|u| snap_update(session, u)).collect::<Result<Vec<_>>>()?;
                 let snapped: Vec<_> = snapped.into_iter().flatten().collect();
                 Bins { size: [self.grid().width, self.grid().height] }.bin(&snapped).batch

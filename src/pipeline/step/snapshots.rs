@@ -1,12 +1,12 @@
-//! Snapshots of the map at places of the log: of each only the tiles that changed since the one before.
+//! Snapshots of the map at positions of the log. Each holds only the tiles that changed since the one before.
 
 use super::cells::{Tiles, place};
 use crate::kernels::ChunkStates;
 use std::collections::BTreeMap;
 
-/// Places of the log at which snapshots are kept, at most.
-const PLACES: usize = 256;
-/// Fewer items between two aren't worth one.
+/// The most snapshots of a log.
+const MOST_SNAPSHOTS: usize = 256;
+/// The fewest items between two snapshots.
 const LEAST: usize = 64;
 
 /// A tile's words at snapshots, by the snapshots' positions in the log.
@@ -14,21 +14,21 @@ type Versions = BTreeMap<usize, Box<[u32]>>;
 
 /// The snapshots of one run through a log.
 pub struct Snapshots {
-    /// Items from one to the next.
+    /// The number of items from one snapshot to the next.
     apart: usize,
-    /// Positions that have one; 0 always does.
+    /// The positions that have a snapshot; 0 always has one.
     kept: Vec<usize>,
     tiles: BTreeMap<[u32; 2], Versions>,
-    /// Tiles that changed after the last one.
+    /// The tiles that changed after the last snapshot.
     since: Tiles,
     bytes: u64,
     most: u64,
 }
 
 impl Snapshots {
-    /// None yet, of a log of so many items; they take `most` bytes at most.
+    /// Snapshots of a log of so many items, none yet; they take at most `most` bytes.
     pub fn new(items: usize, most: u64) -> Snapshots {
-        let apart = items.div_ceil(PLACES).max(LEAST);
+        let apart = items.div_ceil(MOST_SNAPSHOTS).max(LEAST);
         Snapshots { apart, kept: vec![0], tiles: BTreeMap::new(), since: Tiles::new(), bytes: 0, most }
     }
 
@@ -37,7 +37,7 @@ impl Snapshots {
         (position / self.apart + 1) * self.apart
     }
 
-    /// Notes that tiles changed on the way to a position, and keeps a snapshot there where one is due.
+    /// Notes the tiles that changed on the way to a position, and keeps a snapshot there where one is due.
     pub fn keep(&mut self, position: usize, words: usize, chunks: &ChunkStates, changed: &Tiles) {
         let last = self.kept.last().copied().unwrap_or(0);
         if position <= last {
@@ -49,6 +49,7 @@ impl Snapshots {
         }
         for tile in std::mem::take(&mut self.since) {
             let (chunk, slot) = place(tile);
+            // A tile of a chunk without memory is all zeros, which needs no copy.
             let Some(state) = chunks.get(&chunk) else { continue };
             let copy: Box<[u32]> = state[slot * words..(slot + 1) * words].into();
             self.bytes += 4 * copy.len() as u64;
@@ -75,7 +76,7 @@ impl Snapshots {
                 }
             }
         }
-        // What only a dropped last one held has changed since the last that stays.
+        // Tiles of a dropped last snapshot have changed since the last one that stays.
         let last = kept.last().copied().unwrap_or(0);
         if gone.iter().any(|at| *at > last) {
             self.since.extend(self.tiles.keys());
@@ -83,7 +84,7 @@ impl Snapshots {
         self.kept = kept;
     }
 
-    /// Sets the cells to the last snapshot not after a position; returns its position, and adds to `reached` what may have changed.
+    /// Restores the last snapshot not after a position and returns its position. Adds to `reached` the tiles that may have changed.
     pub fn restore(&mut self, position: usize, words: usize, chunks: &mut ChunkStates, reached: &mut Tiles) -> usize {
         let at = self.kept.iter().copied().rfind(|kept| *kept <= position).unwrap_or(0);
         let changed = |versions: &Versions| versions.range(at + 1..).next().is_some();
@@ -91,6 +92,7 @@ impl Snapshots {
         stale.append(&mut self.since);
         for tile in &stale {
             let (chunk, slot) = place(*tile);
+            // A chunk without memory is all zeros at every position.
             let Some(state) = chunks.get_mut(&chunk) else { continue };
             let state = &mut state[slot * words..(slot + 1) * words];
             let version = self.tiles.get(tile).and_then(|v| v.range(..=at).next_back());

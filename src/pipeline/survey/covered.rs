@@ -1,36 +1,28 @@
-//! The box that readings reach: their cones, edge by edge and with the arc's extreme points, so that the default bounds hold all that
-//! is freed and hit, and little else.
+//! The box that the cones of readings cover: their edges and the extreme points of their arcs. It is the default for the bounds of a
+//! grid.
 
 use crate::log::reading::Reading;
+use crate::method::Spread;
 use crate::sensor::Sensor;
 use std::f64::consts::FRAC_PI_2;
 
-/// How far around a beam a method updates cells, beyond its cone.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Spread {
-    /// Metres, in every direction.
-    pub beside: f64,
-    /// Radians off the axis, up to the beam's range.
-    pub half_width: f64,
-}
-
-/// A box that grows with what it is shown: x0, y0, x1, y1, metres.
+/// A box that grows with the readings added to it: x0, y0, x1, y1, metres.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Covered([f64; 4]);
+pub(super) struct CoveredBox([f64; 4]);
 
-impl Covered {
-    /// A box that holds nothing.
-    pub fn nothing() -> Covered {
-        Covered([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY])
+impl CoveredBox {
+    /// The empty box.
+    pub fn empty() -> CoveredBox {
+        CoveredBox([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY])
     }
 
-    /// Its corners.
+    /// Its corners: x0, y0, x1, y1, metres.
     pub fn corners(self) -> [f64; 4] {
         self.0
     }
 
-    /// Grows to a reading's cone, up to R + ε; a narrow beam is at least a cell wide to either side of its axis. `spread`: what the
-    /// method adds to it.
+    /// Grows to the cone of a reading, up to R + ε, and to the method's `spread` around it. A narrow beam is at least a cell wide on
+    /// either side of its axis.
     pub fn add(&mut self, reading: &Reading, sensor: &Sensor, resolution: f64, spread: Spread) {
         let (pose, beta) = (reading.record.pose, sensor.half_width.max(spread.half_width));
         let reach = reading.range + sensor.epsilon(resolution);

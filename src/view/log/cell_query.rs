@@ -3,7 +3,7 @@
 use super::current_item::{beam, echo_outcome};
 use super::lane::Lane;
 use crate::grid::Class;
-use crate::pipeline::step::{Cell, Event, Items};
+use crate::pipeline::step::{Cell, Event, LogInputs};
 use crate::view::Request;
 use crate::view::protocol::{
     self, CellClass, CellSource, ChosenBeam, EchoOutcome, History, HistoryEvent, NamedValue, Region, finite,
@@ -55,7 +55,7 @@ fn cell_source(lane: &Lane, column: usize, row: usize) -> CellSource {
 
 /// The beams that a cell of a counting sensor model counts; `None` for other methods.
 fn chosen_beams(lane: &Lane, column: usize, row: usize) -> Option<Vec<ChosenBeam>> {
-    let Items::Scans(scans) = lane.stepper.items() else { return None };
+    let LogInputs::Scans(scans) = lane.stepper.items() else { return None };
     let known = &scans.all[..lane.stepper.position()];
     let given = oracle::beam_contributions(lane.stepper.grid(), known, &scans.csm, (column, row));
     let chosen = |given: &oracle::BeamContribution| {
@@ -90,7 +90,7 @@ pub fn history(lane: &Lane, request: &Request) -> Result<History> {
         false => EVENTS,
     };
     let history = lane.stepper.history(column, row, count)?;
-    let is_scans = matches!(lane.stepper.items(), Items::Scans(_));
+    let is_scans = matches!(lane.stepper.items(), LogInputs::Scans(_));
     let note = is_scans.then_some(
         "the beams that the cell takes now, one of each of its nearest poses; before and after are what each gained of α",
     );

@@ -7,7 +7,7 @@ use crate::geometry::plane::Point;
 use crate::grid::GridSpec;
 use crate::log::reading::{Outcome, Pose};
 use crate::output::ConeOutline;
-use crate::pipeline::mapper::Item;
+use crate::pipeline::readings::ReadingInput;
 use crate::sensor::Kind;
 use crate::view::protocol::{
     Beam, CellPoint, Current, CurrentReading, CurrentScan, EchoOutcome, FeatureCase, FeatureCaseName, FeatureKind,
@@ -48,7 +48,7 @@ pub fn echo_outcome(outcome: Outcome) -> EchoOutcome {
     }
 }
 
-fn current_reading(lane: &Lane, last: usize, (reading, wedge): &Item) -> Option<CurrentReading> {
+fn current_reading(lane: &Lane, last: usize, (reading, wedge): &ReadingInput) -> Option<CurrentReading> {
     let (grid, record) = (lane.stepper.grid(), &reading.record);
     let sensor = lane.stepper.sensors().get(record.sensor as usize)?;
     let footprint = lane.stepper.method().footprint();

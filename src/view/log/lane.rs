@@ -2,7 +2,7 @@
 
 use crate::kernels::ChunkStates;
 use crate::method::{self, Unit};
-use crate::pipeline::step::{Items, Stepper, Tiles, tile_at};
+use crate::pipeline::step::{LogInputs, Stepper, Tiles, tile_at};
 use crate::view::protocol::LaneSpec;
 
 /// One method with its parameters, stepping through the log.
@@ -58,7 +58,7 @@ impl Lane {
     pub fn next_place(&self) -> NextPlace {
         let (items, at) = (self.stepper.items(), self.stepper.position());
         match items {
-            Items::Scans(scans) => scans.all.get(at).and_then(|s| s.rays.first()).map(|r| (0, r.source.1)),
+            LogInputs::Scans(scans) => scans.all.get(at).and_then(|s| s.rays.first()).map(|r| (0, r.source.1)),
             _ => items.place(at),
         }
     }

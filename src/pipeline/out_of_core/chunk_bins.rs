@@ -1,5 +1,5 @@
-//! Readings binned to chunks, once, each chunk's in log order. What outgrows its share of memory is spilled to a file, a
-//! run of cones a chunk at a time.
+//! Snapped readings binned to chunks, each chunk's in log order. Readings that outgrow their share of memory are spilled to a file,
+//! in one run of cones per chunk.
 
 use crate::geometry::layout::Cone;
 use crate::grid::Place;
@@ -10,34 +10,38 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Snapped readings by chunk. A cone's `index` is its reading's number in the log.
-pub struct Bins {
+pub struct ChunkBins {
     buckets: BTreeMap<Place, Bucket>,
-    /// Cones in memory, and the most of them.
+    /// Cones in memory, and their limit.
     held: usize,
     most: usize,
-    /// Where the file is made when it is needed.
+    /// The folder of the spill file, which is made when it is needed.
     folder: PathBuf,
     spill: Option<File>,
+    /// Length of the spill file, bytes.
     end: u64,
 }
 
 #[derive(Default)]
 struct Bucket {
     held: Vec<Cone>,
-    /// Runs in the file: from where, how many cones.
+    /// Runs in the spill file: offset in bytes, number of cones.
     runs: Vec<(u64, usize)>,
     count: u64,
 }
 
-impl Bins {
-    /// None yet; `memory` is what they may take, bytes, before they are spilled into a nameless file in `folder`.
-    pub fn new(folder: &Path, memory: u64) -> Bins {
+impl ChunkBins {
+    /// Creates empty bins. Cones that take more than `memory` bytes are spilled to a nameless file in `folder`.
+    pub fn new(folder: &Path, memory: u64) -> ChunkBins {
         // A vector grows by doubling.
         let most = ((memory / 2) as usize / size_of::<Cone>()).max(1024);
-        Bins { buckets: BTreeMap::new(), held: 0, most, folder: folder.into(), spill: None, end: 0 }
+        ChunkBins { buckets: BTreeMap::new(), held: 0, most, folder: folder.into(), spill: None, end: 0 }
     }
 
     /// Adds a reading to a chunk.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where readings can't be spilled.
     pub fn push(&mut self, place: Place, cone: Cone) -> Result<()> {
         let bucket = self.buckets.entry(place).or_default();
         bucket.held.push(cone);
@@ -46,7 +50,7 @@ impl Bins {
         if self.held >= self.most { self.flush() } else { Ok(()) }
     }
 
-    /// Writes what is held to the file.
+    /// Moves the cones in memory to the spill file.
     fn flush(&mut self) -> Result<()> {
         let full = |e: std::io::Error| {
             Error::Resources(format!(
@@ -70,17 +74,20 @@ impl Bins {
         Ok(())
     }
 
-    /// The chunks that readings reach, row by row, and how many readings each has.
+    /// The chunks that readings reach, row by row, each with its number of readings.
     pub fn places(&self) -> Vec<(Place, u64)> {
         self.buckets.iter().map(|(place, bucket)| (*place, bucket.count)).collect()
     }
 
-    /// Bytes that were spilled.
+    /// The readings that were spilled, bytes.
     pub fn spilled(&self) -> u64 {
         self.end
     }
 
-    /// A chunk's readings from number `first` of them on, at most `count`.
+    /// Reads at most `count` readings of a chunk, from its `first` on; none for a chunk that no reading reaches.
+    ///
+    /// # Errors
+    /// [`Error::Resources`] where spilled readings can't be read back.
     pub fn read(&self, place: Place, first: usize, count: usize) -> Result<Vec<Cone>> {
         let Some(bucket) = self.buckets.get(&place) else { return Ok(Vec::new()) };
         let mut cones: Vec<Cone> = Vec::with_capacity(count.min(bucket.count as usize - first));
@@ -88,13 +95,13 @@ impl Bins {
         for (at, length) in &bucket.runs {
             let skip = first.saturating_sub(before).min(*length);
             let take = (length - skip).min(count - cones.len());
-            if let (true, Some(file)) = (take > 0, &self.spill) {
+            if take > 0 {
                 let start = cones.len();
                 cones.resize(start + take, bytemuck::Zeroable::zeroed());
                 let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut cones[start..]);
                 let from = at + (skip * size_of::<Cone>()) as u64;
-                positional_io::read_exact(file, bytes, from)
-                    .map_err(|e| Error::Resources(format!("spilled readings can't be read back: {e}")))?;
+                let file = self.spill.as_ref().ok_or_else(|| unreadable("the spill file isn't open"))?;
+                positional_io::read_exact(file, bytes, from).map_err(unreadable)?;
             }
             before += length;
         }
@@ -103,6 +110,10 @@ impl Bins {
         cones.extend_from_slice(&rest[..rest.len().min(count - cones.len())]);
         Ok(cones)
     }
+}
+
+fn unreadable(cause: impl std::fmt::Display) -> Error {
+    Error::Resources(format!("spilled readings can't be read back: {cause}"))
 }
 
 #[cfg(test)]
@@ -114,7 +125,7 @@ mod tests {
     fn in_memory_or_spilled_every_chunk_keeps_its_order() {
         let folder = tempfile::tempdir().unwrap();
         for memory in [0, 400_000, 1 << 30] {
-            let mut bins = Bins::new(folder.path(), memory);
+            let mut bins = ChunkBins::new(folder.path(), memory);
             let mut want: BTreeMap<Place, Vec<u32>> = BTreeMap::new();
             for index in 0..20_000u32 {
                 let place = [index % 3, index * 7 % 5];

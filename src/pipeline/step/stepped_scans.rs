@@ -1,5 +1,5 @@
-//! A log's scans for a counting sensor model. What a cell takes depends on where the robot has been so far: with a scan more or less, the tiles
-//! for which that scan may be among the nearest are made anew.
+//! The scans of a log, for stepping. The beams that a cell takes depend on all poses so far. So a step by a scan recomputes the tiles for
+//! which the pose of that scan may be among the nearest.
 
 use super::cells::{Tiles, place, tile_at};
 use crate::Result;
@@ -11,40 +11,39 @@ use crate::kernels::Backend;
 use crate::kernels::cpu::Cpu;
 use crate::method::settings::Csm;
 use crate::method::tile_words;
-use crate::pipeline::mapper::frame;
+use crate::pipeline::batching::frame;
 use crate::pipeline::session::Session;
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// The scans of a log, snapped.
-pub struct Scanned {
-    /// All of them.
+pub struct SteppedScans {
+    /// The scans, in log order.
     pub all: Vec<Scan>,
-    /// The model.
+    /// The counting sensor model.
     pub csm: Csm,
     selection: Selection,
     store: Store,
 }
 
-/// What a batch may come to.
+/// The limits of a batch.
 const MOST: Most = Most { beams: 1 << 20, pairs: PAIRS, one: [1 << 27; 2], max_loop_iterations: usize::MAX };
 
-impl Scanned {
-    /// All of a session's.
-    pub fn read(session: &Session, csm: Csm) -> Result<Scanned> {
-        let selection = csm.selection(session.grid.resolution);
+impl SteppedScans {
+    /// Reads and snaps all scans of a session.
+    pub fn read(session: &Session, csm: Csm, selection: Selection) -> Result<SteppedScans> {
         let all: Vec<Scan> = session.scans()?.collect::<Result<_>>()?;
         let mut store = Store::new(&std::env::temp_dir(), u64::MAX);
         let snapped: Vec<_> = all.par_iter().map(|s| snap(s, &selection)).collect();
         snapped.into_iter().try_for_each(|scan| store.push(scan))?;
-        Ok(Scanned { all, csm, selection, store })
+        Ok(SteppedScans { all, csm, selection, store })
     }
 
     fn index(&self, scans: usize) -> Option<Index> {
         self.selection.neighbours.map(|n| Index::new(&self.store.poses[..scans], usize::from(n)))
     }
 
-    /// What changes when so many scans are known instead of so many.
+    /// The change of the cells from the first `from` scans of the log to the first `to`.
     pub fn change(&self, session: &Session, from: usize, to: usize) -> Change {
         let (scans, larger) = (from.min(to)..from.max(to), self.index(from.max(to)));
         let range = scans.start as u32..scans.end as u32;
@@ -72,7 +71,7 @@ impl Scanned {
         Change { tiles, index, adds, to }
     }
 
-    /// Makes the cells anew that change.
+    /// Recomputes the cells that change.
     pub fn apply(&self, session: &Session, change: Change, cpu: &mut Cpu) -> Result<()> {
         let (method, words) = (session.method.as_ref(), tile_words(session.method.as_ref()));
         let Change { tiles, index, adds, to } = change;
@@ -96,26 +95,26 @@ impl Scanned {
     }
 }
 
-/// What changes with a number of scans.
+/// A change of the number of scans.
 pub struct Change {
-    /// The tiles, by chunk.
+    /// The tiles that may change, by chunk.
     tiles: Vec<(Place, Vec<[usize; 2]>)>,
-    /// Where the poses are that are known then.
+    /// The index of the poses after the change.
     index: Option<Index>,
-    /// The scans that are added to what is there; else the tiles are made from nothing.
+    /// The scans to add to the present state; `None`: the tiles are computed from nothing.
     adds: Option<Range<u32>>,
-    /// How many are known then.
+    /// The number of scans after the change.
     to: usize,
 }
 
 impl Change {
-    /// The tiles of the grid that may change.
+    /// The tiles that may change, by row and column in the grid.
     pub fn reached(&self) -> Tiles {
         self.tiles.iter().flat_map(|(chunk, tiles)| tiles.iter().map(|at| tile(*chunk, *at))).collect()
     }
 }
 
-/// A chunk's tile as one of the grid.
+/// The row and column in the grid of a chunk's tile.
 fn tile(chunk: Place, [column, row]: [usize; 2]) -> [u32; 2] {
     tile_at(chunk, (row * CHUNK + column) as u32)
 }

@@ -1,5 +1,5 @@
-//! What a `map.yaml` says, with map_server's meanings. A value that isn't understood is refused with its line, its key and
-//! what would be right: a map read in another sense than its maker's has walls where the floor is.
+//! The settings of a `map.yaml`, with map_server's meanings. A value that isn't understood is refused with its line, its key and a right
+//! value: a map that is read with another meaning than its maker's has walls where the floor is.
 
 use super::yaml::{self, Document, Entry, Node, Value};
 use crate::{Error, Result};
@@ -7,48 +7,50 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// A settings file is no longer, bytes.
+/// The largest settings file, bytes.
 const LONGEST: u64 = 1 << 20;
-/// No map lies farther from the origin, metres.
+/// The farthest origin of a map, metres.
 const FARTHEST: f64 = 1e7;
 
 const KEYS: [&str; 7] = ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"];
 const YES: [&str; 4] = ["true", "yes", "on", "y"];
 const NO: [&str; 4] = ["false", "no", "off", "n"];
 
-/// How a pixel is read.
+/// The interpretation of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mode {
     /// Occupied, free or unknown.
     Trinary,
-    /// The same, and in between by percentages; what isn't opaque is unknown.
+    /// Occupied, free, or a percentage between; a pixel that isn't opaque is unknown.
     Scale,
     /// The pixel's value, of 255, is the percentage; above 100 it is unknown.
     Raw,
 }
 
-/// The keys of a map.yaml.
-pub(super) struct About {
-    /// As it is written: relative to the YAML file, or absolute.
+/// The settings of a map.yaml.
+pub(super) struct MapSettings {
+    /// The path of the picture as written: relative to the YAML file, or absolute.
     pub image: String,
-    /// Metres a pixel.
+    /// Edge of a pixel, metres.
     pub resolution: f64,
     /// x, y, metres, and yaw, radians, of the lower left pixel's lower left corner.
     pub origin: [f64; 3],
+    /// The line of `origin`.
     pub origin_line: u64,
     /// White is occupied.
     pub negate: bool,
     pub mode: Mode,
-    /// Occupied above this; by default 0.65.
+    /// A pixel is occupied above this; by default 0.65.
     pub occupied: f64,
-    /// Free below this; by default 0.196.
+    /// A pixel is free below this; by default 0.196.
     pub free: f64,
+    /// Notes for the user: keys that aren't read, settings without effect.
     pub notes: Vec<String>,
 }
 
-impl About {
+impl MapSettings {
     /// Reads and checks a file.
-    pub fn open(path: &Path) -> Result<About> {
+    pub fn open(path: &Path) -> Result<MapSettings> {
         let unreadable = |e: std::io::Error| Error::input(path, format!("can't be read: {e}; give a map.yaml"));
         let mut bytes = Vec::new();
         File::open(path).map_err(unreadable)?.take(LONGEST + 1).read_to_end(&mut bytes).map_err(unreadable)?;
@@ -59,11 +61,11 @@ impl About {
             let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count() as u64 + 1;
             Error::at(path, line, "is not UTF-8 text: save it as UTF-8")
         })?;
-        About::of(path, &yaml::parse(path, &text)?)
+        MapSettings::of(path, &yaml::parse(path, &text)?)
     }
 
-    fn of(path: &Path, document: &Document) -> Result<About> {
-        let keys = Keys { path, entries: &document.entries };
+    fn of(path: &Path, document: &Document) -> Result<MapSettings> {
+        let keys = SettingsReader { path, entries: &document.entries };
         let image = keys.image()?;
         let resolution =
             keys.number(keys.needed("resolution")?, "metres a pixel, such as 0.05", |v| (1e-6..=1e6).contains(&v))?;
@@ -90,7 +92,7 @@ impl About {
         if let Some(line) = document.next {
             notes.push(format!("{}:{line}: only the first document of the file is read", path.display()));
         }
-        Ok(About {
+        Ok(MapSettings {
             image,
             resolution,
             origin: keys.origin(origin)?,
@@ -105,12 +107,12 @@ impl About {
 }
 
 /// The entries of a document, by key.
-struct Keys<'a> {
+struct SettingsReader<'a> {
     path: &'a Path,
     entries: &'a [Entry],
 }
 
-impl<'a> Keys<'a> {
+impl<'a> SettingsReader<'a> {
     fn find(&self, key: &str) -> Option<&'a Entry> {
         self.entries.iter().find(|e| e.key == key)
     }
@@ -125,7 +127,7 @@ impl<'a> Keys<'a> {
         })
     }
 
-    /// An error about a value: what it is, and what it should be.
+    /// The error about a value: its text, and a right value.
     fn wrong(&self, key: &str, node: &Node, right: &str) -> Error {
         let found = match &node.value {
             Value::Text(text) if text.is_empty() => "has no value".into(),
@@ -164,7 +166,7 @@ impl<'a> Keys<'a> {
         values.try_into().map_err(|_| self.wrong("origin", &entry.value, right))
     }
 
-    /// YAML's booleans in any case, and whole numbers: all but 0 is true.
+    /// Reads `negate`: YAML's booleans in any case, and whole numbers, of which all but 0 are true.
     fn negate(&self) -> Result<bool> {
         let Some(entry) = self.find("negate") else { return Ok(false) };
         let right = "0, 1, or one of true, false, yes, no, on, off";
@@ -188,7 +190,7 @@ impl<'a> Keys<'a> {
         }
     }
 
-    /// A note on each key that isn't read.
+    /// Notes on the keys that aren't read.
     fn unknown(&self) -> Vec<String> {
         let unknown = self.entries.iter().filter(|e| !KEYS.contains(&e.key.as_str()));
         let note = |e: &Entry| {
@@ -200,13 +202,13 @@ impl<'a> Keys<'a> {
     }
 }
 
-/// The key that is meant, if one is near.
+/// The known key that is most like a key, if one is near.
 fn nearest(key: &str) -> Option<&'static str> {
     let near = |known: &&str| strsim::jaro_winkler(&key.to_lowercase(), known);
     KEYS.into_iter().max_by(|a, b| near(a).total_cmp(&near(b))).filter(|k| near(k) > 0.85)
 }
 
-/// A finite number.
+/// The finite number of a scalar; `None` for other values.
 fn number(node: &Node) -> Option<f64> {
     match &node.value {
         Value::Text(text) => text.trim().parse().ok().filter(|v: &f64| v.is_finite()),

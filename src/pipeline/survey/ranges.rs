@@ -1,26 +1,26 @@
-//! What a log's ranges say against its sensors' limits: real ranges beyond `r_max`, and heaps of one value at the end of the scale,
-//! which are most likely silence in disguise.
+//! Checks of a log's ranges against its sensors' limits: measured ranges beyond `r_max`, and many ranges of one value at the end of the
+//! scale, which most likely stand for a missing echo.
 
 use crate::log::reading::{Outcome, Reading, Record, Unused};
 use crate::sensor::{Kind, Sensor};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Share of a sensor's ranges from which a doubt is told.
+/// The share of a sensor's ranges from which a warning is given.
 const SHARE: f64 = 0.05;
-/// So many readings at least.
+/// The number of readings from which a warning is given.
 const FEWEST: u64 = 20;
-/// So many different ranges beyond `r_max` are no codes, but measurements.
+/// So many different ranges beyond `r_max` are measurements, not codes.
 const MEASURED: usize = 16;
-/// Largest ranges that are kept apart, with how often each came.
+/// The number of distinct largest ranges that are counted.
 const LARGEST: usize = 16;
-/// So many times as far as r_max ranges are most likely in another unit.
+/// Ranges of so many times `r_max` are most likely in another unit.
 const OTHER_UNIT: f64 = 10.0;
-/// A heap is so many times as high as any of the ranges just below it.
-const HEAP: u64 = 5;
+/// The largest range is suspect if it is so many times as frequent as any of the next largest.
+const PEAK: u64 = 5;
 
-/// One sensor's ranges, in brief.
+/// Statistics of one sensor's ranges.
 #[derive(Debug, Clone, Default)]
-struct Ranges {
+struct SensorRanges {
     /// Finite ranges, from `r_min` on.
     finite: u64,
     /// Readings of 0.
@@ -31,25 +31,25 @@ struct Ranges {
     beyond: u64,
     farthest: f64,
     values: BTreeSet<u64>,
-    /// The largest ranges of hits, bits of metres, with how often each came.
+    /// The largest ranges of hits, as the bits of metres, each with its number of readings.
     largest: BTreeMap<u64, u64>,
-    /// The least of them once they are as many as are kept; 0 before.
+    /// The least of `largest` once it is full; 0 before.
     least: u64,
 }
 
-/// What speaks against the limits of a log's sensors.
+/// The checks of all sensors of a log.
 #[derive(Debug, Clone)]
-pub(super) struct Doubts(Vec<Ranges>);
+pub(super) struct RangeChecks(Vec<SensorRanges>);
 
-impl Doubts {
-    /// For so many sensors.
-    pub fn of(sensors: usize) -> Doubts {
-        Doubts(vec![Ranges::default(); sensors])
+impl RangeChecks {
+    /// Checks for so many sensors.
+    pub fn of(sensors: usize) -> RangeChecks {
+        RangeChecks(vec![SensorRanges::default(); sensors])
     }
 
-    /// Hears of a record and of what it was judged to be.
-    pub fn look(&mut self, record: &Record, sensor: &Sensor, judged: &Result<Reading, Unused>) {
-        let Some(ranges) = self.0.get_mut(record.sensor as usize) else { return };
+    /// Adds a record and its judgement. The log's reader has checked that its sensor exists.
+    pub fn add(&mut self, record: &Record, sensor: &Sensor, judged: &Result<Reading, Unused>) {
+        let ranges = &mut self.0[record.sensor as usize];
         let z = record.range;
         if z == f64::INFINITY {
             ranges.silent += 1;
@@ -67,32 +67,32 @@ impl Doubts {
                 ranges.values.insert((1000.0 * z) as u64);
             }
         } else if matches!(judged, Ok(Reading { outcome: Outcome::Hit, .. }) | Err(Unused::BeyondHitRange)) {
-            ranges.keep(z);
+            ranges.count_largest(z);
         }
     }
 
-    /// The doubts, in whole sentences that say what to do. `r_max_set`: the user has decided where the scale ends.
-    pub fn tell(&self, sensors: &[Sensor], r_max_set: bool) -> Vec<String> {
-        let mut told = Vec::new();
+    /// The warnings, in whole sentences that say what to do. `r_max_set`: the user has set `r_max`.
+    pub fn warnings(&self, sensors: &[Sensor], r_max_set: bool) -> Vec<String> {
+        let mut warnings = Vec::new();
         for (ranges, sensor) in self.0.iter().zip(sensors) {
-            told.extend(ranges.exceeded(sensor).filter(|_| !r_max_set));
-            told.extend(ranges.heap(sensor));
-            told.extend(ranges.none(sensor));
+            warnings.extend(ranges.beyond_r_max(sensor).filter(|_| !r_max_set));
+            warnings.extend(ranges.peak_at_end(sensor));
+            warnings.extend(ranges.zeros(sensor));
         }
-        // A ring of many sensors has one doubt, not one a sensor.
-        const TOLD: usize = 3;
-        if told.len() > TOLD + 1 {
-            let more = told.len() - TOLD;
-            told.truncate(TOLD);
-            told.push(format!("{more} more sensors are like these"));
+        // The sensors of a ring mostly share one cause.
+        const SHOWN: usize = 3;
+        if warnings.len() > SHOWN + 1 {
+            let more = warnings.len() - SHOWN;
+            warnings.truncate(SHOWN);
+            warnings.push(format!("{more} more sensors are like these"));
         }
-        told
+        warnings
     }
 }
 
-impl Ranges {
-    /// Keeps the largest ranges apart. For positive numbers the order of the bits is that of the values.
-    fn keep(&mut self, z: f64) {
+impl SensorRanges {
+    /// Counts a range among the largest. The bits of positive numbers are ordered as the numbers are.
+    fn count_largest(&mut self, z: f64) {
         let bits = z.to_bits();
         if bits < self.least {
             return;
@@ -106,7 +106,8 @@ impl Ranges {
         }
     }
 
-    fn exceeded(&self, sensor: &Sensor) -> Option<String> {
+    /// A warning about measured ranges beyond `r_max`.
+    fn beyond_r_max(&self, sensor: &Sensor) -> Option<String> {
         let many = self.beyond as f64 >= SHARE * self.finite as f64 && self.values.len() == MEASURED;
         many.then(|| {
             let (id, n, of, far) = (&sensor.id, self.beyond, self.finite, self.farthest);
@@ -126,7 +127,8 @@ impl Ranges {
         })
     }
 
-    fn none(&self, sensor: &Sensor) -> Option<String> {
+    /// A warning about ranges of 0.
+    fn zeros(&self, sensor: &Sensor) -> Option<String> {
         let (zeros, all) = (self.zeros, self.finite + self.zeros);
         let many =
             zeros >= FEWEST && zeros as f64 >= SHARE * all as f64 && sensor.kind == Kind::Sonar && sensor.r_min > 0.0;
@@ -139,15 +141,16 @@ impl Ranges {
         })
     }
 
-    fn heap(&self, sensor: &Sensor) -> Option<String> {
+    /// A warning about many readings of just the largest range.
+    fn peak_at_end(&self, sensor: &Sensor) -> Option<String> {
         let mut largest = self.largest.iter().rev();
         let (bits, times) = largest.next()?;
         let next = largest.map(|(_, n)| *n).max()?;
-        let heap = self.silent == 0
+        let peak = self.silent == 0
             && *times >= FEWEST
             && *times as f64 >= SHARE * self.finite as f64
-            && *times >= HEAP * next;
-        heap.then(|| {
+            && *times >= PEAK * next;
+        peak.then(|| {
             let (id, top) = (&sensor.id, brief(f64::from_bits(*bits)));
             format!(
                 "{times} of {} ranges of sensor {id} are just {top} m, its largest range: most likely they mean that nothing \
@@ -158,7 +161,7 @@ impl Ranges {
     }
 }
 
-/// Metres to the millimetre, without needless zeros.
+/// Formats metres to the millimetre, without trailing zeros.
 fn brief(metres: f64) -> String {
     let text = format!("{metres:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()

@@ -1,46 +1,45 @@
-//! The last item explained: what it says of each cell that it changed, step by step, and the cell before and after.
+//! Explains the last item: its evidence of each cell that it changed, step by step, and the cell before and after.
 
 use super::{Cell, Stepper, Touched};
 use crate::Result;
 use crate::grid::GridSpec;
 use crate::log::reading::Pose;
-use crate::method::settings::Settings;
 use crate::oracle::{CellTrace, Region, Setup, trace_alone};
-use crate::pipeline::mapper::Item;
+use crate::pipeline::readings::ReadingInput;
 use std::collections::BTreeMap;
 
-/// A cell that the item changed.
+/// A cell that the item changed, with the item's evidence of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellStory {
     /// Column.
     pub column: usize,
     /// Row.
     pub row: usize,
-    /// On the arc; else in the interior.
+    /// Whether the cell is on the arc; else it is in the interior.
     pub arc: bool,
-    /// Distance of the cell's centre from the sensor, metres, and its angle off the axis, radians; of a scan's cells from the robot, 0.
+    /// Distance of the cell's centre from the sensor, metres, and its angle off the axis, radians; for a scan from the robot's pose.
     pub polar: (f64, f64),
-    /// The item's own evidence, cancelled, and normalised ([`CellTrace`]); of an update P(occupied) that it says, thrice. `None` for a scan, of
-    /// which a cell takes what its beam gives ([`crate::oracle::beam_contributions`]).
+    /// The item's own evidence, the cancelled and the normalised ([`CellTrace`]); for an update three times its P(occupied). `None` for
+    /// a scan, whose evidence [`crate::oracle::beam_contributions`] tells.
     pub evidence: Option<[f64; 3]>,
-    /// Before it.
+    /// The cell before the item.
     pub before: Cell,
-    /// After it.
+    /// The cell after the item.
     pub after: Cell,
 }
 
-/// An item, cell by cell.
+/// The explanation of an item, cell by cell.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Explained {
-    /// Its cells, row by row in each tile.
+    /// The cells that it changed, row by row in each tile.
     pub cells: Vec<CellStory>,
-    /// n: a reading's arc cells in the grid (of a missing echo, those that it would have).
+    /// n: the number of its arc cells in the grid; for a missing echo the number that an echo would have.
     pub n: usize,
-    /// Σ of the cancelled evidence over the arc (certainty).
+    /// Σ of the cancelled evidence over the arc, for a method that normalises by it (certainty).
     pub sum: Option<f64>,
 }
 
-/// Explains the item before the position; `None` at the log's beginning.
+/// Explains the item before the position; `None` at the beginning of the log.
 ///
 /// # Errors
 /// [`crate::Error::Usage`] for a reading that names no sensor.
@@ -49,11 +48,11 @@ pub fn explain(stepper: &Stepper) -> Result<Option<Explained>> {
     let items = stepper.items();
     if let Some(update) = items.update(last) {
         let pose = update.reading.record.pose;
-        let says = |story: CellStory| {
-            let said = said(stepper, &story.before, &story.after);
-            CellStory { evidence: Some([said; 3]), ..story }
+        let with_evidence = |story: CellStory| {
+            let p = update_probability(stepper, &story.before, &story.after);
+            CellStory { evidence: Some([p; 3]), ..story }
         };
-        return Ok(Some(explained(stories(stepper, &pose).map(says).collect())));
+        return Ok(Some(explained(stories(stepper, &pose).map(with_evidence).collect())));
     }
     if let Some(scan) = items.scan(last) {
         return Ok(Some(explained(stories(stepper, &scan.robot).collect())));
@@ -74,7 +73,7 @@ fn stories<'a>(stepper: &'a Stepper, pose: &'a Pose) -> impl Iterator<Item = Cel
     })
 }
 
-fn explain_reading(stepper: &Stepper, (reading, wedge): &Item) -> Result<Explained> {
+fn explain_reading(stepper: &Stepper, (reading, wedge): &ReadingInput) -> Result<Explained> {
     let (grid, settings) = (stepper.grid(), stepper.method().settings());
     // A reading's own interior is no part of its arc: Emp is there after it what it was before.
     let emptiness = |cell: usize| {
@@ -96,16 +95,16 @@ fn explain_reading(stepper: &Stepper, (reading, wedge): &Item) -> Result<Explain
         })
     };
     let cells = stories(stepper, &reading.record.pose).filter_map(tell).collect();
-    let sum = matches!(settings, Settings::Certainty(_)).then_some(trace.sum);
+    let sum = stepper.method().evidence().normalised.then_some(trace.sum);
     Ok(Explained { cells, n: trace.arc_cells, sum })
 }
 
-/// P(occupied) that an update says, from what it made of the cell's log odds.
-pub(super) fn said(stepper: &Stepper, before: &Cell, after: &Cell) -> f64 {
+/// P(occupied) of an update, from its change of a cell's log odds.
+pub(super) fn update_probability(stepper: &Stepper, before: &Cell, after: &Cell) -> f64 {
     1.0 / (1.0 + (log_odds(stepper, before) - log_odds(stepper, after)).exp())
 }
 
-/// A cell's log odds of occupied, for methods that keep them.
+/// The log odds of occupied of a cell; 0 for a method without that layer.
 fn log_odds(stepper: &Stepper, cell: &Cell) -> f64 {
     let place = stepper.method().layers().iter().position(|l| l.name == "log_odds");
     place.and_then(|k| cell.values.get(k)).map_or(0.0, |v| f64::from(*v))

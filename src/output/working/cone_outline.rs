@@ -1,4 +1,4 @@
-//! The outline of a snapped cone, as lines over the grid: what decides membership is what is drawn.
+//! The outline of a snapped cone, as lines over the grid. It is made of the integers that decide membership.
 //!
 //! Coordinates are cells, from the grid's lower left corner, y up: cell (column c, row r) has its centre at (c + ½, r + ½).
 
@@ -14,12 +14,12 @@ use std::f64::consts::TAU;
 /// A point, in cells.
 pub(crate) type Point = (f64, f64);
 
-/// Cells from the anchor beyond which nothing is drawn.
+/// The distance from the anchor beyond which nothing is drawn, cells.
 const FARTHEST: u64 = 1 << 40;
 
-/// What is drawn of a reading's cone.
-pub(crate) struct Outline {
-    /// Where the sensor is.
+/// The outline of a reading's cone.
+pub(crate) struct ConeOutline {
+    /// The position of the sensor.
     pub sensor: Point,
     /// The axis, from the sensor to the far end.
     pub axis: [Point; 2],
@@ -29,12 +29,12 @@ pub(crate) struct Outline {
 
 /// The reading's numbers after snapping, as the JSON shows them.
 #[derive(Serialize)]
-pub(crate) struct Snapped {
-    /// Metres in a unit, 1/32 cell.
+pub(crate) struct SnappedCone {
+    /// Length of a unit, 1/32 cell, metres.
     unit: f64,
     /// The sensor, units from the grid's lower left corner.
     sensor: [i64; 2],
-    /// Where the arc begins and ends, units (himm: R, twice).
+    /// The ranges where the arc begins and ends, units (himm: R, twice).
     reach: [i32; 2],
     /// Directions, in 1/8192.
     axis: [i32; 2],
@@ -46,15 +46,18 @@ pub(crate) struct Snapped {
     epsilon: f64,
 }
 
-impl Outline {
-    /// The outline of a reading. `wedge`: its edges' bearings, for [`Footprint::Wedge`].
+impl ConeOutline {
+    /// The outline of a reading, and the snapped cone. `wedge`: the bearings of its edges, radians, for [`Footprint::Wedge`].
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a reading that is too far from the grid's anchor.
     pub fn of(
         grid: &GridSpec,
         sensor: &Sensor,
         reading: &Reading,
         footprint: Footprint,
         wedge: Option<(f64, f64)>,
-    ) -> Result<(Outline, Snapped)> {
+    ) -> Result<(ConeOutline, SnappedCone)> {
         // Snapped on the one cell where the sensor is: a reading that misses the grid has an outline too.
         let pose = reading.record.pose;
         let cell = |v: f64, anchor: f64| ((v - anchor) / grid.resolution).floor() as i64;
@@ -74,7 +77,7 @@ impl Outline {
         let at = [unit * (i0 - grid.i0) + i64::from(cone.sensor[0]), unit * (j0 - grid.j0) + i64::from(cone.sensor[1])];
         let axis_only = footprint == Footprint::Axis;
         let reach = if axis_only { [cone.reach[0]; 2] } else { cone.reach };
-        let snapped = Snapped {
+        let snapped = SnappedCone {
             unit: grid.resolution / f64::from(CELL),
             sensor: at,
             reach,
@@ -106,10 +109,10 @@ impl Outline {
             let arc = |k: i32| along(middle + half * f64::from(k) / 64.0, r);
             lines.push((-64..=64).map(arc).collect());
         }
-        Ok((Outline { sensor: start, axis: [start, along(axis, far)], lines }, snapped))
+        Ok((ConeOutline { sensor: start, axis: [start, along(axis, far)], lines }, snapped))
     }
 
-    /// Every point of it.
+    /// All points of the outline.
     pub fn points(&self) -> impl Iterator<Item = Point> + '_ {
         self.lines.iter().flatten().chain(&self.axis).copied()
     }

@@ -1,4 +1,4 @@
-//! A log's scans, snapped, and the chunks that their beams may touch: for the methods that take scans.
+//! The scans of a log, snapped and stored, and the chunks that their beams may touch; for the methods that take scans.
 
 use crate::Result;
 use crate::binning::batch::Batch;
@@ -8,32 +8,48 @@ use crate::grid::GridSpec;
 use crate::grid::{EDGE, Place};
 use crate::kernels::{Backend, Limits};
 use crate::method::Method;
-use crate::pipeline::mapper::{Work, frame};
+use crate::pipeline::batching::{BatchStatistics, frame};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Beams that a batch may hold for each of its readings: a beam takes less than a cone and its pairs.
-const BEAMS: usize = 16;
-/// Rays that wait to be snapped together.
-const TOGETHER: usize = 1 << 17;
+/// Beams that a batch may hold for each of its readings: a beam takes less memory than a cone and its pairs.
+const BEAMS_PER_READING: usize = 16;
+/// Rays that are snapped together, in parallel.
+const SNAP_TOGETHER: usize = 1 << 17;
 
-/// The scans of a log.
-pub struct Scanned {
+/// Where beams go that outgrow their share of memory.
+#[derive(Debug, Clone)]
+pub struct Spill {
+    /// The folder of the nameless file that takes them.
+    pub folder: PathBuf,
+    /// The memory that they may take before they are spilled, bytes.
+    pub memory: u64,
+}
+
+impl Spill {
+    /// Keeps all beams in memory.
+    pub fn never() -> Spill {
+        Spill { folder: std::env::temp_dir(), memory: u64::MAX }
+    }
+}
+
+/// The snapped scans of a log, by the chunks that they may touch.
+pub struct ChunkedScans {
     grid: GridSpec,
     selection: Selection,
     store: Store,
+    /// Scans that are not snapped yet, and the number of their rays.
     waiting: Vec<Scan>,
-    /// Rays of those.
-    rays: usize,
+    waiting_rays: usize,
     index: Option<Index>,
+    /// The used readings of the scans that may touch each chunk.
     reached: BTreeMap<Place, u64>,
 }
 
-impl Scanned {
-    /// Snaps a log's scans for a model on a grid; `memory` is what their beams may take, bytes, before they are spilled to `folder`;
-    /// `progress` hears of each used reading.
+impl ChunkedScans {
+    /// Snaps the scans of a log onto a grid. `progress` receives the number of used readings since its last call.
     ///
     /// # Errors
     /// The log's, and [`crate::Error::Resources`] where beams can't be spilled.
@@ -41,10 +57,10 @@ impl Scanned {
         grid: &GridSpec,
         selection: Selection,
         scans: impl Iterator<Item = Result<Scan>>,
-        (folder, memory): (&Path, u64),
+        spill: &Spill,
         progress: &dyn Fn(u64),
-    ) -> Result<Scanned> {
-        let mut scanned = Scanned::new(grid, selection, folder, memory);
+    ) -> Result<ChunkedScans> {
+        let mut scanned = ChunkedScans::new(grid, selection, spill);
         for scan in scans {
             let scan = scan?;
             progress(scan.used);
@@ -53,23 +69,31 @@ impl Scanned {
         scanned.finish()
     }
 
-    fn new(grid: &GridSpec, selection: Selection, folder: &Path, memory: u64) -> Scanned {
-        let store = Store::new(folder, memory);
-        Scanned { grid: *grid, selection, store, waiting: Vec::new(), rays: 0, index: None, reached: BTreeMap::new() }
+    fn new(grid: &GridSpec, selection: Selection, spill: &Spill) -> ChunkedScans {
+        ChunkedScans {
+            grid: *grid,
+            selection,
+            store: Store::new(&spill.folder, spill.memory),
+            waiting: Vec::new(),
+            waiting_rays: 0,
+            index: None,
+            reached: BTreeMap::new(),
+        }
     }
 
     fn push(&mut self, scan: Scan) -> Result<()> {
-        self.rays += scan.rays.len();
+        self.waiting_rays += scan.rays.len();
         self.waiting.push(scan);
-        if self.rays >= TOGETHER { self.snap() } else { Ok(()) }
+        if self.waiting_rays >= SNAP_TOGETHER { self.snap() } else { Ok(()) }
     }
 
+    /// Snaps and stores the waiting scans.
     fn snap(&mut self) -> Result<()> {
         let selection = self.selection;
         let snapped: Vec<_> = self.waiting.par_iter().map(|s| snap(s, &selection)).collect();
-        self.rays = 0;
+        self.waiting_rays = 0;
         for (scan, snapped) in self.waiting.drain(..).zip(snapped) {
-            for place in chunks(&self.grid, snapped.pose, snapped.reach) {
+            for place in chunks_around(&self.grid, snapped.pose, snapped.reach) {
                 *self.reached.entry(place).or_default() += scan.used;
             }
             self.store.push(snapped)?;
@@ -77,25 +101,25 @@ impl Scanned {
         Ok(())
     }
 
-    /// All are there: finds where their poses are.
-    fn finish(mut self) -> Result<Scanned> {
+    /// Builds the index of the poses, once all scans are there.
+    fn finish(mut self) -> Result<ChunkedScans> {
         self.snap()?;
         self.index = self.selection.neighbours.map(|n| Index::new(&self.store.poses, usize::from(n)));
         Ok(self)
     }
 
-    /// The chunks that beams may touch, row by row, and the used readings of the scans that may.
+    /// The chunks that beams may touch, row by row, each with the number of used readings of the scans that may touch it.
     pub fn places(&self) -> Vec<(Place, u64)> {
         self.reached.iter().map(|(place, count)| (*place, *count)).collect()
     }
 
-    /// Bytes of beams that were spilled.
+    /// The beams that were spilled, bytes.
     pub fn spilled(&self) -> u64 {
         self.store.spilled()
     }
 
-    /// Gives a chunk's batches in order, of as many beams as `batch` readings weigh, each with the share of the chunk's work
-    /// that it is and whether it is the last; stops when one isn't taken.
+    /// Gives the batches of a chunk in order. A batch holds as many beams as take the memory of `batch` readings. `give` gets the
+    /// batch, its share of the chunk's work and whether it is the last; it returns `false` to stop.
     ///
     /// # Errors
     /// [`crate::Error::Resources`] where spilled beams can't be read back.
@@ -106,7 +130,7 @@ impl Scanned {
         limits: Limits,
         give: &mut dyn FnMut(Batch, f64, bool) -> bool,
     ) -> Result<()> {
-        let beams = batch.saturating_mul(BEAMS).min(limits.readings);
+        let beams = batch.saturating_mul(BEAMS_PER_READING).min(limits.readings);
         let most = Most {
             beams,
             pairs: PAIRS.min(limits.entries),
@@ -124,7 +148,8 @@ impl Scanned {
         Ok(())
     }
 
-    /// Runs every chunk's batches on a backend, all chunks resident; `progress` hears of readings, each once a chunk.
+    /// Runs the batches of every chunk on a backend, with all chunks resident. `progress` receives the number of readings done since
+    /// its last call; a reading counts once in each chunk that it may touch.
     ///
     /// # Errors
     /// The backend's.
@@ -134,13 +159,13 @@ impl Scanned {
         backend: &mut dyn Backend,
         batch: usize,
         progress: &dyn Fn(u64),
-    ) -> Result<Work> {
-        let (mut work, started, mut computing) = (Work::default(), Instant::now(), Duration::ZERO);
+    ) -> Result<BatchStatistics> {
+        let (mut statistics, started, mut computing) = (BatchStatistics::default(), Instant::now(), Duration::ZERO);
         let (frame, steps, limits) = (frame(&self.grid, method), method.sweeps()[0], backend.limits());
         for (place, count) in self.places() {
             let mut failed = None;
             self.batches(place, batch, limits, &mut |batch, share, _| {
-                work.count(&batch);
+                statistics.count(&batch);
                 let applied = Instant::now();
                 failed = backend.apply(method, frame, &batch, steps, &mut Vec::new()).err();
                 computing += applied.elapsed();
@@ -151,13 +176,13 @@ impl Scanned {
                 return Err(e);
             }
         }
-        work.binning_us = (started.elapsed() - computing).as_micros() as u64;
-        Ok(work)
+        statistics.binning_us = (started.elapsed() - computing).as_micros() as u64;
+        Ok(statistics)
     }
 }
 
-/// The chunks that meet a square around a pose; µm.
-fn chunks(grid: &GridSpec, pose: [i64; 2], reach: i32) -> impl Iterator<Item = Place> {
+/// The chunks that meet a square around a pose; `pose` and `reach` in µm.
+fn chunks_around(grid: &GridSpec, pose: [i64; 2], reach: i32) -> impl Iterator<Item = Place> {
     let edge = (EDGE as f64 * grid.resolution * 1e6).max(1.0);
     let corner = [micrometres(grid.x0()), micrometres(grid.y0())];
     let spans = [(0, grid.width), (1, grid.height)].map(|(k, cells)| {
