@@ -75,7 +75,7 @@ fn chunk_by_chunk_gives_the_bytes_of_all_chunks_together() {
     let log = log(folder.path(), "ring24");
     for (name, settings) in every_settings() {
         let session = session(&log, settings);
-        assert!(echogrid::grid::places(&session.grid).count() >= 6, "{:?}", session.grid);
+        assert!(echogrid::grid::chunks(&session.grid).count() >= 6, "{:?}", session.grid);
         let together = session.map(&mut Cpu::new(0).unwrap(), 3000, &|_| {}).unwrap();
         let want = bits(&together.finished.map);
         // large batches in memory; small ones, spilled

@@ -12,6 +12,7 @@ pub use input::{Batch, ChunkList, ConeInput, Input, ScanInput, UpdateInput};
 
 use crate::binning::snap::{Footprint, region};
 use crate::geometry::layout::*;
+use crate::grid::ChunkId;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use narrow::{Columns, Met, TILES};
@@ -36,7 +37,7 @@ pub struct Binning {
     /// Whether a missing echo's arc is looked at (Dempster-Shafer counts its cells).
     pub no_echo_arcs: bool,
     /// Bin into this chunk (column, row) alone.
-    pub only: Option<[u32; 2]>,
+    pub only: Option<ChunkId>,
 }
 
 /// For [`Binning::of`], of cones that are snapped.
@@ -51,7 +52,7 @@ pub(crate) type Pair = (u16, Entry);
 /// the run.
 #[derive(Default)]
 struct Run {
-    chunks: BTreeMap<[u32; 2], Vec<Pair>>,
+    chunks: BTreeMap<ChunkId, Vec<Pair>>,
     first_part: Vec<u32>,
     parts: u32,
 }
@@ -111,7 +112,7 @@ impl Binning {
         let run = cones.len().div_ceil(4 * rayon::current_num_threads()).max(64);
         let runs: Vec<Run> = cones.par_chunks(run).map(|cones| self.run(cones)).collect();
         let mut first_part = Vec::with_capacity(cones.len() + 1);
-        let mut places: BTreeMap<[u32; 2], Vec<(&[Pair], u32)>> = BTreeMap::new();
+        let mut places: BTreeMap<ChunkId, Vec<(&[Pair], u32)>> = BTreeMap::new();
         let mut before = 0;
         for run in &runs {
             first_part.extend(run.first_part.iter().map(|p| p + before));
@@ -121,7 +122,7 @@ impl Binning {
             before += run.parts;
         }
         first_part.push(before);
-        let chunks = places.into_par_iter().map(|([row, column], pairs)| list([column, row], &pairs)).collect();
+        let chunks = places.into_par_iter().map(|(chunk, pairs)| list(chunk, &pairs)).collect();
         Batch { chunks, input: Input::Cones(ConeInput { cones, first_part }) }
     }
 
@@ -151,7 +152,7 @@ impl Binning {
             // Room in the first chunk for a sonar's cones of a usual size, so that its list rarely has to move.
             let first = run.chunks.is_empty();
             let room = || if first { Vec::with_capacity(16 * readings) } else { Vec::new() };
-            let pairs = run.chunks.entry([place[1], place[0]]).or_insert_with(room);
+            let pairs = run.chunks.entry(place).or_insert_with(room);
             let mut push = |[i, j]: [i64; 2], (arc, inside): (bool, bool)| {
                 let arc = arc && arcs;
                 let flags = if arc { ARC } else { 0 } | if inside { INSIDE } else { 0 };
@@ -195,7 +196,7 @@ impl Binning {
     }
 
     /// The same in one chunk.
-    fn tiles_in(&self, cone: &Cone, shape: &Shape, place: [u32; 2], show: &mut impl FnMut([i64; 2], (bool, bool))) {
+    fn tiles_in(&self, cone: &Cone, shape: &Shape, place: ChunkId, show: &mut impl FnMut([i64; 2], (bool, bool))) {
         let [rows, columns] = self.within(self.spans(cone, shape), place);
         let edge = (TILE as i64) * i64::from(CELL);
         let extremes = |k: usize, tile: i64| shape.extremes(k, edge * tile - i64::from(cone.sensor[k]));
@@ -212,22 +213,22 @@ impl Binning {
     }
 
     /// The chunks of a cone's box, by column and row, row by row.
-    pub fn chunks_of(&self, cone: &Cone) -> Vec<[u32; 2]> {
+    pub fn chunks_of(&self, cone: &Cone) -> Vec<ChunkId> {
         self.chunks_of_shape(cone, &Shape::of(cone, self.footprint)).collect()
     }
 
-    fn chunks_of_shape(&self, cone: &Cone, shape: &Shape) -> impl Iterator<Item = [u32; 2]> {
+    fn chunks_of_shape(&self, cone: &Cone, shape: &Shape) -> impl Iterator<Item = ChunkId> {
         let [rows, columns] = self.spans(cone, shape).map(|s| {
             let chunk = |tile: i64| tile.div_euclid(CHUNK as i64) as u32;
             if s.is_empty() { 0..0 } else { chunk(s.start)..chunk(s.end - 1) + 1 }
         });
         let only = self.only;
-        rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
+        rows.flat_map(move |row| columns.clone().map(move |column| ChunkId { row, column }))
             .filter(move |place| only.is_none_or(|only| only == *place))
     }
 
     /// The part of tile rows and tile columns in a chunk.
-    fn within(&self, [rows, columns]: [Range<i64>; 2], [column, row]: [u32; 2]) -> [Range<i64>; 2] {
+    fn within(&self, [rows, columns]: [Range<i64>; 2], ChunkId { row, column }: ChunkId) -> [Range<i64>; 2] {
         let cut = |span: Range<i64>, chunk: u32| {
             let first = i64::from(chunk) * CHUNK as i64;
             span.start.max(first)..span.end.min(first + CHUNK as i64)
@@ -258,7 +259,7 @@ impl Binning {
 
 /// A chunk's lists from its pairs, run by run with the number of parts before each: sorted by counting, which keeps the log's
 /// order within a tile.
-pub(crate) fn list(place: [u32; 2], runs: &[(&[Pair], u32)]) -> ChunkList {
+pub(crate) fn list(place: ChunkId, runs: &[(&[Pair], u32)]) -> ChunkList {
     let pairs = || runs.iter().flat_map(|(pairs, before)| pairs.iter().map(move |pair| (pair, before)));
     let mut ends = [0u32; CHUNK * CHUNK];
     pairs().for_each(|((slot, _), _)| ends[usize::from(*slot)] += 1);
@@ -267,7 +268,7 @@ pub(crate) fn list(place: [u32; 2], runs: &[(&[Pair], u32)]) -> ChunkList {
         let count = std::mem::replace(end, sum);
         if count > 0 {
             let at = [slot % CHUNK, slot / CHUNK].map(|s| s as u32);
-            let corner = [0, 1].map(|k| (place[k] * CHUNK as u32 + at[k]) * TILE as u32);
+            let corner = [0, 1].map(|k| (place.first_cell()[k] + at[k] as usize * TILE) as u32);
             tiles.push(Tile { corner, entries: [sum, sum + count], slot: slot as u32, spare: [0; 3] });
             sum += count;
         }

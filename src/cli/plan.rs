@@ -63,7 +63,7 @@ impl PlanArguments {
         let run = OutOfCoreRun::begin(&session, batch, &folder, bins, &|n| bar.inc(n))?;
         drop(bar);
         let before = surveyed + started.elapsed().as_secs_f64();
-        let chunks = run.places();
+        let chunks = run.chunks();
         let binned: u64 = chunks.iter().map(|p| p.1).sum();
         let passes = binned * rounds.iter().map(|r| r.len() as u64).sum::<u64>();
         let Chosen { mut backend, why } = chosen;

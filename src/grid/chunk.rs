@@ -2,16 +2,43 @@
 
 use super::GridSpec;
 use crate::geometry::layout::{CHUNK, TILE};
+use serde::{Deserialize, Serialize};
 
-/// A chunk's place: row, column.
-pub type Place = [u32; 2];
+/// Which chunk of a grid, counted in chunks from its lower left cell. Ordered row by row. In JSON it is `[row, column]`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(from = "[u32; 2]", into = "[u32; 2]")]
+pub struct ChunkId {
+    /// From the bottom.
+    pub row: u32,
+    /// From the left.
+    pub column: u32,
+}
+
+impl From<[u32; 2]> for ChunkId {
+    fn from([row, column]: [u32; 2]) -> Self {
+        ChunkId { row, column }
+    }
+}
+
+impl From<ChunkId> for [u32; 2] {
+    fn from(ChunkId { row, column }: ChunkId) -> Self {
+        [row, column]
+    }
+}
+
+impl ChunkId {
+    /// The column and row of its first cell in the grid.
+    pub fn first_cell(self) -> [usize; 2] {
+        [self.column as usize * EDGE, self.row as usize * EDGE]
+    }
+}
 
 /// Cells along a chunk's edge.
 pub const EDGE: usize = CHUNK * TILE;
 
 /// A chunk's part of a grid.
-pub fn part(grid: &GridSpec, [row, column]: Place) -> GridSpec {
-    let (across, up) = (column as usize * EDGE, row as usize * EDGE);
+pub fn part(grid: &GridSpec, chunk: ChunkId) -> GridSpec {
+    let [across, up] = chunk.first_cell();
     GridSpec {
         i0: grid.i0 + across as i64,
         j0: grid.j0 + up as i64,
@@ -22,7 +49,7 @@ pub fn part(grid: &GridSpec, [row, column]: Place) -> GridSpec {
 }
 
 /// Every chunk of a grid, row by row.
-pub fn places(grid: &GridSpec) -> impl Iterator<Item = Place> {
+pub fn chunks(grid: &GridSpec) -> impl Iterator<Item = ChunkId> {
     let (columns, rows) = (grid.width.div_ceil(EDGE) as u32, grid.height.div_ceil(EDGE) as u32);
-    (0..rows).flat_map(move |row| (0..columns).map(move |column| [row, column]))
+    (0..rows).flat_map(move |row| (0..columns).map(move |column| ChunkId { row, column }))
 }

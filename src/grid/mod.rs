@@ -5,6 +5,6 @@ mod layer;
 mod memory;
 mod spec;
 
-pub use chunk::{EDGE, Place, part, places};
+pub use chunk::{ChunkId, EDGE, chunks, part};
 pub use layer::{Class, Data, Layer, Map, Palette, Scale};
 pub use spec::GridSpec;

@@ -4,6 +4,7 @@ use super::{Backend, ChunkStates, Limits, Shares};
 use crate::Result;
 use crate::binning::batch::Batch;
 use crate::geometry::layout::Frame;
+use crate::grid::ChunkId;
 use crate::method::{Method, Step};
 use std::collections::BTreeMap;
 
@@ -20,7 +21,7 @@ pub struct Load {
 #[derive(Debug, Default)]
 pub struct Dry {
     /// The work in each chunk that readings reach, by chunk row and column.
-    pub chunks: BTreeMap<[u32; 2], Load>,
+    pub chunks: BTreeMap<ChunkId, Load>,
 }
 
 impl Backend for Dry {
@@ -44,14 +45,14 @@ impl Backend for Dry {
 
     fn apply(&mut self, _: &dyn Method, _: Frame, batch: &Batch, _: &[Step], _: &mut Shares) -> Result<()> {
         for list in &batch.chunks {
-            let load = self.chunks.entry([list.place[1], list.place[0]]).or_default();
+            let load = self.chunks.entry(list.place).or_default();
             load.entries += list.entries.len() as u64;
             load.tiles += list.tiles.len() as u64;
         }
         Ok(())
     }
 
-    fn take(&mut self, _: [u32; 2]) -> Result<Option<Vec<u32>>> {
+    fn take(&mut self, _: ChunkId) -> Result<Option<Vec<u32>>> {
         Ok(None)
     }
 

@@ -1,5 +1,6 @@
 //! What can go wrong inside a backend, apart from a missing adapter. All but the last are defects of the program.
 
+use crate::grid::ChunkId;
 use crate::method::driver::WrongInput;
 
 const DEFECT: &str = "this is a defect of echogrid: please report it";
@@ -33,10 +34,10 @@ pub enum KernelError {
         pass: &'static str,
     },
     /// A pass over a chunk whose cells are not on the backend.
-    #[error("the cells of chunk column {}, row {} are not resident: {DEFECT}", chunk[1], chunk[0])]
+    #[error("the cells of chunk column {}, row {} are not resident: {DEFECT}", chunk.column, chunk.row)]
     NotResident {
-        /// The chunk's row and column.
-        chunk: [u32; 2],
+        /// The chunk.
+        chunk: ChunkId,
     },
     /// A dispatch of more workgroups than the adapter takes along one axis.
     #[error(

@@ -19,14 +19,15 @@ pub use error::KernelError;
 use crate::Result;
 use crate::binning::batch::Batch;
 use crate::geometry::layout::{Cone, Frame, NO_ECHO};
+use crate::grid::ChunkId;
 use crate::log::reading::Outcome;
 use crate::method::driver::WrongInput;
 use crate::method::{Method, Step};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// The state of every chunk that a batch reached, by chunk row and column: words, tile by tile, plane by plane, row by row.
-pub type ChunkStates = BTreeMap<[u32; 2], Vec<u32>>;
+/// The state of every chunk that a batch reached, row by row: words, tile by tile, plane by plane, row by row.
+pub type ChunkStates = BTreeMap<ChunkId, Vec<u32>>;
 
 /// What the steps so far found for each cone of a batch: the bits of a sum, a count, or what [`Method::share`] made of the count.
 pub type Shares = Vec<[u32; 4]>;
@@ -91,7 +92,7 @@ pub trait Backend: Send {
     }
 
     /// Moves the cells of the chunk in this row and column out of the backend; `None` where no batch reached it.
-    fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>>;
+    fn take(&mut self, place: ChunkId) -> Result<Option<Vec<u32>>>;
 
     /// Whether [`Backend::recycle`] saves anything.
     fn recycles_buffers(&self) -> bool {

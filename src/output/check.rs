@@ -4,8 +4,8 @@
 use super::names::{REPORT, STORE};
 use super::zarr::{StoreReader, Tried};
 use super::{folder, report};
-use crate::grid::Map;
-use crate::grid::places;
+use crate::grid::chunks;
+use crate::grid::{ChunkId, Map};
 use crate::{Error, Result};
 use serde_json::Value;
 use std::path::Path;
@@ -39,7 +39,7 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
     for (k, name) in reader.names().iter().enumerate() {
         let mut all = [0.0, f64::INFINITY, f64::NEG_INFINITY];
         let mut damaged = false;
-        for at in places(&reader.grid) {
+        for at in chunks(&reader.grid) {
             progress();
             match reader.stored(k, at) {
                 Some(bytes) => (found.shards, found.bytes) = (found.shards + 1, found.bytes + bytes),
@@ -54,7 +54,7 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
                 Ok([sum, min, max]) => all = [all[0] + sum, all[1].min(min), all[2].max(max)],
                 Err(e) => {
                     damaged = true;
-                    found.problems.push(format!("{name}, shard row {} column {}: {e}", at[0], at[1]));
+                    found.problems.push(format!("{name}, shard row {} column {}: {e}", at.row, at.column));
                 }
             }
         }
@@ -72,7 +72,7 @@ pub fn check(path: &Path, progress: &dyn Fn()) -> Result<Checked> {
 }
 
 /// The sum, the least and the largest value of a shard.
-fn shard_statistics(reader: &StoreReader, layer: usize, at: [u32; 2]) -> Tried<[f64; 3]> {
+fn shard_statistics(reader: &StoreReader, layer: usize, at: ChunkId) -> Tried<[f64; 3]> {
     let layer = reader.shard(layer, at)?;
     let map = Map {
         grid: crate::grid::part(&reader.grid, at),

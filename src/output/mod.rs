@@ -33,7 +33,7 @@ pub(crate) use zarr::{Pieces, Stored, StoredLayer};
 pub use zarr::{StoredMap, read_map};
 
 use crate::grid::{Layer, Map};
-use crate::grid::{part, places};
+use crate::grid::{chunks, part};
 use crate::{Error, Result};
 use std::path::Path;
 
@@ -49,7 +49,7 @@ pub fn write_map(folder: &Folder, map: &Map, combined: &Layer, info: &RunInfo, n
     let mut writer = MapWriter::open(folder.path(), schema, info, false)?;
     // The chunks' updates add up to the map's. Those of a part are not known, so that the first chunk takes all.
     let (mut updates, mut increments) = (map.updates, map.increments.clone());
-    for at in places(&map.grid) {
+    for at in chunks(&map.grid) {
         let layers = map.layers.iter().map(|layer| crop(&map.grid, layer, at)).collect();
         let part = Map {
             grid: part(&map.grid, at),

@@ -1,6 +1,6 @@
 //! The schema of a map: its grid, its method and its layers without values; and crops of layers.
 
-use crate::grid::{Data, EDGE, GridSpec, Layer, Place, part};
+use crate::grid::{ChunkId, Data, GridSpec, Layer, part};
 
 /// The schema of a map that is written.
 #[derive(Debug, Clone)]
@@ -29,9 +29,9 @@ pub fn schema(layer: &Layer) -> Layer {
 }
 
 /// The part of a layer of the whole grid that lies in a chunk.
-pub fn crop(grid: &GridSpec, layer: &Layer, at: Place) -> Layer {
+pub fn crop(grid: &GridSpec, layer: &Layer, at: ChunkId) -> Layer {
     let part = part(grid, at);
-    let (column, row) = (at[1] as usize * EDGE, at[0] as usize * EDGE);
+    let [column, row] = at.first_cell();
     fn rows<T: Copy>(values: &[T], grid: &GridSpec, part: &GridSpec, column: usize, row: usize) -> Vec<T> {
         let line = |r: usize| &values[r * grid.width + column..][..part.width];
         (row..row + part.height).flat_map(|r| line(r).iter().copied()).collect()

@@ -1,13 +1,13 @@
 //! `map.zarr`: every layer as a Zarr version 3 array that Python, Julia and JavaScript open, with the cell centres in
 //! metres beside them; `read` reads it back.
 //!
-//! A shard is 1024 × 1024 cells in inner chunks of 256 × 256. ChunkStates wholly of the fill value are not stored: a huge map
+//! A shard is 1024 × 1024 cells in inner chunks of 256 × 256. Chunks wholly of the fill value are not stored: a huge map
 //! costs what was seen of it. One writer a shard: two would lose each other's chunks silently.
 
 use super::png::reduced;
 use super::{MapSchema, RunInfo, unwritable};
 use crate::Result;
-use crate::grid::{Data, GridSpec, Layer, Map, Scale};
+use crate::grid::{ChunkId, Data, GridSpec, Layer, Map, Scale};
 use rayon::prelude::*;
 use serde_json::{Map as Object, Value, json};
 use std::path::{Path, PathBuf};
@@ -83,7 +83,7 @@ impl Store {
     }
 
     /// Writes a chunk's part of every layer, each as a shard. Inner chunks of fill values are not stored.
-    pub fn chunk(&self, [row, column]: [u32; 2], part: &Map) -> Result<()> {
+    pub fn chunk(&self, ChunkId { row, column }: ChunkId, part: &Map) -> Result<()> {
         let at = [u64::from(row), u64::from(column)];
         let shard = |(array, layer): (&Array<FilesystemStore>, &Layer)| -> Tried<()> {
             match &layer.data {
@@ -99,7 +99,7 @@ impl Store {
     }
 
     /// Writes a shard of a level of the overview: palette entries, bottom row first.
-    pub fn overview(&self, level: usize, [row, column]: [u32; 2], entries: &[u8]) -> Result<()> {
+    pub fn overview(&self, level: usize, ChunkId { row, column }: ChunkId, entries: &[u8]) -> Result<()> {
         let [width, height] = reduced(&self.grid, 1 << level);
         let size = |all: usize, first: u32| SHARD.min(all - first as usize * SHARD);
         let grid = GridSpec { width: size(width, column), height: size(height, row), ..self.grid };

@@ -1,7 +1,7 @@
 //! Makes the layers of a map from the cells' words, or from the oracle's values: the same layers for every backend.
 
 use crate::geometry::layout::{CHUNK, TILE, TILE_CELLS};
-use crate::grid::{Class, Data, GridSpec, Layer, Map, Scale};
+use crate::grid::{ChunkId, Class, Data, GridSpec, Layer, Map, Scale};
 use crate::kernels::ChunkStates;
 use crate::method::{self, Method, Unit, add};
 use crate::oracle::OracleMap;
@@ -168,13 +168,15 @@ fn fill_tile_row(
     let (subthreshold, words, mut gains) = (method.unit() == Unit::Scan, method::tile_words(method), Vec::new());
     let rows = TILE.min(grid.height - row * TILE);
     let chunk_row = (row / CHUNK) as u32;
-    for (place, state) in chunks.range([chunk_row, 0]..=[chunk_row, u32::MAX]) {
+    for (place, state) in
+        chunks.range(ChunkId { row: chunk_row, column: 0 }..=ChunkId { row: chunk_row, column: u32::MAX })
+    {
         let tiles = state.chunks_exact(words).skip(row % CHUNK * CHUNK).take(CHUNK);
         for (column, tile) in tiles.enumerate() {
             if subthreshold && tile.iter().all(|word| *word == 0) {
                 continue;
             }
-            let x0 = (place[1] as usize * CHUNK + column) * TILE;
+            let x0 = (place.column as usize * CHUNK + column) * TILE;
             for y in 0..rows {
                 for x in x0..(x0 + TILE).min(grid.width) {
                     let at = y * TILE + x - x0;

@@ -5,7 +5,7 @@ use crate::binning::batch::Batch;
 use crate::binning::batch::PAIRS;
 use crate::binning::scan::{Index, Most, Scan, Selection, Store, Tiles, micrometres, snap};
 use crate::grid::GridSpec;
-use crate::grid::{EDGE, Place};
+use crate::grid::{ChunkId, EDGE};
 use crate::kernels::{Backend, Limits};
 use crate::method::Method;
 use crate::pipeline::batching::{BatchStatistics, frame};
@@ -45,7 +45,7 @@ pub struct ChunkedScans {
     waiting_rays: usize,
     index: Option<Index>,
     /// The used readings of the scans that may touch each chunk.
-    reached: BTreeMap<Place, u64>,
+    reached: BTreeMap<ChunkId, u64>,
 }
 
 impl ChunkedScans {
@@ -109,7 +109,7 @@ impl ChunkedScans {
     }
 
     /// The chunks that beams may touch, row by row, each with the number of used readings of the scans that may touch it.
-    pub fn places(&self) -> Vec<(Place, u64)> {
+    pub fn chunks(&self) -> Vec<(ChunkId, u64)> {
         self.reached.iter().map(|(place, count)| (*place, *count)).collect()
     }
 
@@ -125,7 +125,7 @@ impl ChunkedScans {
     /// [`crate::Error::Resources`] where spilled beams can't be read back.
     pub fn batches(
         &self,
-        place: Place,
+        place: ChunkId,
         batch: usize,
         limits: Limits,
         give: &mut dyn FnMut(Batch, f64, bool) -> bool,
@@ -162,7 +162,7 @@ impl ChunkedScans {
     ) -> Result<BatchStatistics> {
         let (mut statistics, started, mut computing) = (BatchStatistics::default(), Instant::now(), Duration::ZERO);
         let (frame, steps, limits) = (frame(&self.grid, method), method.sweeps()[0], backend.limits());
-        for (place, count) in self.places() {
+        for (place, count) in self.chunks() {
             let mut failed = None;
             self.batches(place, batch, limits, &mut |batch, share, _| {
                 statistics.count(&batch);
@@ -182,7 +182,7 @@ impl ChunkedScans {
 }
 
 /// The chunks that meet a square around a pose; `pose` and `reach` in µm.
-fn chunks_around(grid: &GridSpec, pose: [i64; 2], reach: i32) -> impl Iterator<Item = Place> {
+fn chunks_around(grid: &GridSpec, pose: [i64; 2], reach: i32) -> impl Iterator<Item = ChunkId> {
     let edge = (EDGE as f64 * grid.resolution * 1e6).max(1.0);
     let corner = [micrometres(grid.x0()), micrometres(grid.y0())];
     let spans = [(0, grid.width), (1, grid.height)].map(|(k, cells)| {
@@ -192,5 +192,5 @@ fn chunks_around(grid: &GridSpec, pose: [i64; 2], reach: i32) -> impl Iterator<I
         from.clamp(0.0, last) as u32..to.clamp(0.0, last) as u32
     });
     let [columns, rows] = if reach > 0 { spans } else { [0..0, 0..0] };
-    rows.flat_map(move |row| columns.clone().map(move |column| [row, column]))
+    rows.flat_map(move |row| columns.clone().map(move |column| ChunkId { row, column }))
 }

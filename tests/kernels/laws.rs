@@ -63,7 +63,7 @@ fn cells(method: &dyn Method, size: [usize; 2], chunks: &ChunkStates) -> Vec<Vec
     assert!(size.iter().all(|s| *s <= CHUNK * TILE), "one chunk");
     let fresh = vec![0; method::planes(method)];
     let mut cells = vec![fresh; size[0] * size[1]];
-    let Some(state) = chunks.get(&[0, 0]) else { return cells };
+    let Some(state) = chunks.get(&Default::default()) else { return cells };
     for (k, cell) in cells.iter_mut().enumerate() {
         let (x, y) = (k % size[0], k / size[0]);
         let slot = y / TILE * CHUNK + x / TILE;

@@ -61,7 +61,7 @@ fn parts(near: &Batch, listed: &[&ChunkList], host: &Batch, what: &str) {
             for tile in &chunk.tiles {
                 for entry in &chunk.entries[tile.entries[0] as usize..tile.entries[1] as usize] {
                     if entry.cone & ARC != 0 {
-                        parts.push((entry.index(), entry.slot, chunk.place, tile.corner));
+                        parts.push((entry.index(), entry.slot, [chunk.place.column, chunk.place.row], tile.corner));
                     }
                 }
             }

@@ -208,7 +208,7 @@ fn an_entry_limit_that_splits_batches_changes_nothing() {
             assert!(batch.chunks.iter().all(|c| c.entries.len() <= self.1));
             self.0.apply(method, frame, batch, steps, shares)
         }
-        fn take(&mut self, place: [u32; 2]) -> echogrid::Result<Option<Vec<u32>>> {
+        fn take(&mut self, place: echogrid::grid::ChunkId) -> echogrid::Result<Option<Vec<u32>>> {
             self.0.take(place)
         }
         fn finish(&mut self, method: &dyn method::Method) -> echogrid::Result<echogrid::kernels::ChunkStates> {

@@ -2,7 +2,8 @@
 //! `shaders/binning/list/cone_tile_bounds.wgsl`.
 
 use super::{Batch, Binning, ChunkList, ConeInput, Input, Shape};
-use crate::geometry::layout::{CHUNK, Cone, ConeTileBounds, NO_ECHO, WIDE};
+use crate::geometry::layout::{Cone, ConeTileBounds, NO_ECHO, TILE, WIDE};
+use crate::grid::ChunkId;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -10,7 +11,7 @@ use std::collections::BTreeMap;
 #[derive(Default)]
 struct Run {
     cones: Vec<Cone>,
-    chunks: BTreeMap<[u32; 2], Vec<ConeTileBounds>>,
+    chunks: BTreeMap<ChunkId, Vec<ConeTileBounds>>,
     first_part: Vec<u32>,
     parts: u32,
 }
@@ -32,7 +33,7 @@ impl Binning {
             items.par_chunks(run).map(|items| self.cone_bounds_of(items.iter().filter_map(&snap))).collect();
         let count = runs.iter().map(|r| r.cones.len()).sum();
         let mut input = ConeInput { cones: Vec::with_capacity(count), first_part: Vec::with_capacity(count + 1) };
-        let mut places: BTreeMap<[u32; 2], Vec<ConeTileBounds>> = BTreeMap::new();
+        let mut places: BTreeMap<ChunkId, Vec<ConeTileBounds>> = BTreeMap::new();
         let (mut parts, mut flags) = (0, 0);
         for run in runs {
             let cones = input.cones.len() as u32;
@@ -53,9 +54,10 @@ impl Binning {
             return Err(input.cones);
         }
         input.first_part.push(parts);
-        let list = |([row, column], cone_bounds): ([u32; 2], Vec<ConeTileBounds>)| {
-            let place = [column, row];
-            ChunkList { place, cone_bounds, ..ChunkList::default() }
+        let list = |(place, cone_bounds): (ChunkId, Vec<ConeTileBounds>)| ChunkList {
+            place,
+            cone_bounds,
+            ..ChunkList::default()
         };
         Ok(Batch { chunks: places.into_iter().map(list).collect(), input: Input::Cones(input) })
     }
@@ -71,11 +73,11 @@ impl Binning {
             let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
             for place in self.chunks_of_shape(&cone, &shape) {
                 let [rows, columns] = self.within(spans.clone(), place);
-                let tile = |at: i64, k: usize| (at - i64::from(place[k]) * CHUNK as i64) as u32;
+                let tile = |at: i64, k: usize| (at - (place.first_cell()[k] / TILE) as i64) as u32;
                 let low = [tile(columns.start, 0), tile(rows.start, 1)];
                 let high = [tile(columns.end, 0), tile(rows.end, 1)];
                 let bounds = ConeTileBounds { cone: index, part: run.parts, low, high };
-                run.chunks.entry([place[1], place[0]]).or_default().push(bounds);
+                run.chunks.entry(place).or_default().push(bounds);
                 // More than fit are more than a batch may have.
                 run.parts = run.parts.saturating_add(if arcs { (high[0] - low[0]) * (high[1] - low[1]) } else { 0 });
             }

@@ -1,13 +1,14 @@
 //! A batch: what is mapped together, and which tiles of which chunks it reaches.
 
 use crate::geometry::layout::{Beam, Cone, ConeTileBounds, Entry, FAN, LINES, Scan, Shapes, Tile};
+use crate::grid::ChunkId;
 use rayon::prelude::*;
 
 /// The part of a batch that reaches one chunk.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ChunkList {
     /// The chunk's column and row.
-    pub place: [u32; 2],
+    pub place: ChunkId,
     /// The tiles that the batch reaches, ascending by slot.
     pub tiles: Vec<Tile>,
     /// Their entries, tile by tile, each tile's in log order.

@@ -59,7 +59,7 @@ fn lists(batch: &Batch) -> BTreeMap<[u32; 2], Vec<Entry>> {
         for tile in &chunk.tiles {
             for k in 0..2 {
                 let at = [tile.slot % CHUNK as u32, tile.slot / CHUNK as u32];
-                assert_eq!(tile.corner[k], (chunk.place[k] * CHUNK as u32 + at[k]) * TILE as u32);
+                assert_eq!(tile.corner[k], chunk.place.first_cell()[k] as u32 + at[k] * TILE as u32);
             }
             let entries = chunk.entries[tile.entries[0] as usize..tile.entries[1] as usize].to_vec();
             assert!(!entries.is_empty() && lists.insert(tile.corner, entries).is_none());

@@ -9,7 +9,7 @@ use super::{Index, Selection, Store, micrometres};
 use crate::binning::batch::{Batch, ChunkList, Input, ScanInput};
 use crate::geometry::layout::*;
 use crate::grid::GridSpec;
-use crate::grid::{EDGE, Place};
+use crate::grid::{ChunkId, EDGE};
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -20,7 +20,7 @@ pub struct Tiles<'a> {
     /// Where a cell takes its nearest poses.
     index: Option<&'a Index>,
     selection: Selection,
-    chunk: Place,
+    chunk: ChunkId,
     /// The centre of the chunk's first cell, µm in the world frame.
     origin: [i64; 2],
     /// Centres of columns and rows, µm from there.
@@ -55,15 +55,15 @@ pub struct Most {
 const SEARCH: usize = 40;
 
 impl<'a> Tiles<'a> {
-    /// Of the chunk in this row and column.
+    /// Of a chunk.
     pub fn of(
         grid: &GridSpec,
-        chunk: Place,
+        chunk: ChunkId,
         store: &'a Store,
         index: Option<&'a Index>,
         selection: Selection,
     ) -> Tiles<'a> {
-        let first = [chunk[1] as usize * EDGE, chunk[0] as usize * EDGE];
+        let first = chunk.first_cell();
         let centre = |k: usize, n: usize| {
             let at = [first[0] + if k == 0 { n } else { 0 }, first[1] + if k == 1 { n } else { 0 }];
             let (x, y) = grid.centre(at[0], at[1]);
@@ -294,7 +294,7 @@ impl<'a> Tiles<'a> {
         let (mut tiles, mut entries) = (Vec::new(), Vec::new());
         for (tile, list) in listed.iter().zip(lists) {
             let Some(list) = list else { continue };
-            let corner = [0, 1].map(|k| (self.chunk[1 - k] as usize * EDGE + tile.at[k] * TILE) as u32);
+            let corner = [0, 1].map(|k| (self.chunk.first_cell()[k] + tile.at[k] * TILE) as u32);
             let from = entries.len() as u32;
             entries.extend(list);
             let slot = (tile.at[1] * CHUNK + tile.at[0]) as u32;
@@ -302,7 +302,7 @@ impl<'a> Tiles<'a> {
         }
         let chunks = match tiles.is_empty() {
             true => Vec::new(),
-            false => vec![ChunkList { place: [self.chunk[1], self.chunk[0]], tiles, entries, cone_bounds: Vec::new() }],
+            false => vec![ChunkList { place: self.chunk, tiles, entries, cone_bounds: Vec::new() }],
         };
         Ok(Batch { chunks, input: Input::Scans(ScanInput { scans, beams, centres: self.centres.concat() }) })
     }

@@ -9,6 +9,7 @@ use super::snap::Snapped;
 use crate::binning::batch::{Batch, Binning, Input, Pair, UpdateInput, list};
 use crate::binning::snap::Footprint;
 use crate::geometry::layout::*;
+use crate::grid::ChunkId;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -52,7 +53,7 @@ impl Area {
 /// What a run of updates reaches: each chunk's pairs, by row and column.
 #[derive(Default)]
 struct Run {
-    chunks: BTreeMap<[u32; 2], Vec<Pair>>,
+    chunks: BTreeMap<ChunkId, Vec<Pair>>,
     outside: u64,
     empty_arc: u64,
 }
@@ -69,13 +70,13 @@ impl Bins {
         let length = updates.len().div_ceil(4 * rayon::current_num_threads()).max(16);
         let run = |(k, updates)| self.run((k * length) as u32, updates);
         let runs: Vec<Run> = updates.par_chunks(length).enumerate().map(run).collect();
-        let mut places: BTreeMap<[u32; 2], Vec<(&[Pair], u32)>> = BTreeMap::new();
+        let mut places: BTreeMap<ChunkId, Vec<(&[Pair], u32)>> = BTreeMap::new();
         for run in &runs {
             for (place, pairs) in &run.chunks {
                 places.entry(*place).or_default().push((pairs, 0));
             }
         }
-        let chunks = places.into_par_iter().map(|([row, column], pairs)| list([column, row], &pairs)).collect();
+        let chunks = places.into_par_iter().map(|(chunk, pairs)| list(chunk, &pairs)).collect();
         let [outside, empty_arc] = [|r: &Run| r.outside, |r: &Run| r.empty_arc].map(|of| runs.iter().map(of).sum());
         let mut input = UpdateInput::default();
         for update in updates {
@@ -99,10 +100,10 @@ impl Bins {
             for (k, meeting) in (0i64..).zip(&area.tiles) {
                 let Some((flags, slot)) = useful(update, *meeting) else { continue };
                 let [i, j] = [area.columns.start + k % width, area.rows.start + k / width];
-                let [column, row] = [i, j].map(|t| t / CHUNK as i64);
+                let [column, row] = [i, j].map(|t| (t / CHUNK as i64) as u32);
                 let within = (j % CHUNK as i64 * CHUNK as i64 + i % CHUNK as i64) as u16;
                 let entry = Entry { cone: index << ENTRY_SHIFT | flags, slot };
-                run.chunks.entry([row as u32, column as u32]).or_default().push((within, entry));
+                run.chunks.entry(ChunkId { row, column }).or_default().push((within, entry));
                 let occupies = flags & ARC != 0 || slot & (LINES | LINES << 1) != 0;
                 if !any || (!occupied && occupies) {
                     let corner = [i, j].map(|t| (t * TILE as i64) as u32);

@@ -2,6 +2,7 @@
 
 use crate::cli::interrupt;
 use crate::cli::progress::spinner;
+use crate::grid::ChunkId;
 use crate::method::{self, Unit};
 use crate::oracle;
 use crate::output::{LogInfo, MapSchema, MapWriter, RunInfo, schema};
@@ -87,6 +88,6 @@ pub(super) fn time_of_writing(session: &Session, chunk: &FinishedChunk) -> Resul
     // Signals are deferred, so that the folder is removed.
     let _guard = interrupt::defer_signals();
     let started = Instant::now();
-    writer.chunk([0, 0], map, &chunk.finished.combined)?;
+    writer.chunk(ChunkId::default(), map, &chunk.finished.combined)?;
     Ok(started.elapsed().as_secs_f64())
 }

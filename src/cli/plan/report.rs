@@ -3,7 +3,7 @@
 use super::estimate::TimeEstimate;
 use crate::cli::print_line;
 use crate::cli::text::{count, format_value, print_item};
-use crate::grid::{self, Place};
+use crate::grid::{self, ChunkId};
 use crate::method;
 use crate::output::tidy;
 use crate::pipeline::session::Session;
@@ -17,7 +17,7 @@ pub(super) struct PlanReport {
     /// The passes of each round.
     pub rounds: Vec<String>,
     /// The chunks that have readings, with how many.
-    pub chunks: Vec<(Place, u64)>,
+    pub chunks: Vec<(ChunkId, u64)>,
     /// Sum of the readings of all chunks.
     pub binned: u64,
     /// Bytes of a GPU's memory that the run needs; 0: unknown.
@@ -40,8 +40,7 @@ impl PlanReport {
     /// Prints the plan as JSON.
     pub fn print_json(&self, session: &Session) {
         let cells = &session.grid;
-        let chunk =
-            |([row, column], readings): &(Place, u64)| json!({"row": row, "column": column, "readings": readings});
+        let chunk = |(ChunkId { row, column }, readings): &(ChunkId, u64)| json!({"row": row, "column": column, "readings": readings});
         let plan = json!({
             "method": method::name(session.method.as_ref()),
             "format": session.log.header().format,
@@ -96,13 +95,13 @@ impl PlanReport {
                 end(cells.y0(), cells.height)
             ),
         );
-        if let Some(([row, column], most)) = self.chunks.iter().max_by_key(|p| p.1) {
+        if let Some((ChunkId { row, column }, most)) = self.chunks.iter().max_by_key(|p| p.1) {
             print_item(
                 "chunks",
                 &format!(
                     "{} of {} squares of {} × {} cells have readings; the fullest, column {column} row {row}, has {most}",
                     self.chunks.len(),
-                    grid::places(cells).count(),
+                    grid::chunks(cells).count(),
                     grid::EDGE,
                     grid::EDGE,
                 ),

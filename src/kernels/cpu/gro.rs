@@ -4,6 +4,7 @@
 use crate::binning::batch::Batch;
 use crate::geometry::cone::EdgeFunctions;
 use crate::geometry::layout::*;
+use crate::grid::ChunkId;
 use crate::kernels::ChunkStates;
 use crate::method::himm::{HIT, MOST, ONE};
 use fearless_simd::prelude::*;
@@ -68,14 +69,17 @@ fn neighbours([x, y]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
 }
 
 /// A cell's chunk and its word in the first plane.
-fn place(frame: Frame, [x, y]: [u32; 2]) -> Option<([u32; 2], usize)> {
+fn place(frame: Frame, [x, y]: [u32; 2]) -> Option<(ChunkId, usize)> {
     if x >= frame.size[0] || y >= frame.size[1] {
         return None;
     }
     let (edge, tile) = ((CHUNK * TILE) as u32, TILE as u32);
     let (cx, cy) = (x % edge, y % edge);
     let slot = (cy / tile) as usize * CHUNK + (cx / tile) as usize;
-    Some(([y / edge, x / edge], slot * WORDS + (cy % tile) as usize * TILE + (cx % tile) as usize))
+    Some((
+        ChunkId { row: y / edge, column: x / edge },
+        slot * WORDS + (cy % tile) as usize * TILE + (cx % tile) as usize,
+    ))
 }
 
 fn read(chunks: &ChunkStates, frame: Frame, cell: [u32; 2]) -> u32 {

@@ -6,6 +6,7 @@ mod gro;
 use super::{Backend, ChunkStates, KernelError, Limits, Shares, accumulate_counts, check_input, normalize_by_count};
 use crate::binning::batch::{Batch, ChunkList, Input};
 use crate::geometry::layout::{CHUNK, Frame};
+use crate::grid::ChunkId;
 use crate::method::driver::{Job, TileTask, simd_level};
 use crate::method::settings::Settings;
 use crate::method::{self, Method, Pass, Step};
@@ -94,7 +95,7 @@ impl Backend for Cpu {
         let Cpu { pool, chunks, recycled, times } = self;
         let words = method::tile_words(method);
         for list in &batch.chunks {
-            chunks.entry([list.place[1], list.place[0]]).or_insert_with(|| fresh_chunk(recycled, words));
+            chunks.entry(list.place).or_insert_with(|| fresh_chunk(recycled, words));
         }
         if let Settings::Himm(himm) = method.settings()
             && himm.gro
@@ -112,7 +113,7 @@ impl Backend for Cpu {
                     Step::Pass(pass, mode) => {
                         let frame = Frame { mode, ..frame };
                         for list in &batch.chunks {
-                            let chunk = [list.place[1], list.place[0]];
+                            let chunk = list.place;
                             let state = chunks.get_mut(&chunk).ok_or(KernelError::NotResident { chunk })?;
                             let work = ChunkPass { method, pass, frame: &frame, input: &batch.input, list };
                             work.run(&parts, &share, state)?;
@@ -139,7 +140,7 @@ impl Backend for Cpu {
         self.times.take().unwrap_or_default().into_iter().collect()
     }
 
-    fn take(&mut self, place: [u32; 2]) -> Result<Option<Vec<u32>>> {
+    fn take(&mut self, place: ChunkId) -> Result<Option<Vec<u32>>> {
         Ok(self.chunks.remove(&place))
     }
 

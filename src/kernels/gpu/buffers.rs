@@ -185,11 +185,6 @@ fn listed_by_gpu<'a>(
 /// The cells of some of a chunk's tiles, from a slot on.
 fn cells(recording: &mut Recording, work: &Work, list: &ChunkList, first: u32, slots: u32) -> BufferId {
     let offset = u64::from(first) * work.tile_bytes();
-    let contents = Contents::Resident { chunk: chunk_of(list), offset };
+    let contents = Contents::Resident { chunk: list.place, offset };
     recording.buffer(u64::from(slots) * work.tile_bytes(), contents)
-}
-
-/// A chunk's row and column.
-pub fn chunk_of(list: &ChunkList) -> [u32; 2] {
-    [list.place[1], list.place[0]]
 }

@@ -8,6 +8,7 @@ use super::recording::{Buffer, BufferId, Command, Contents, Download, Pass, Reco
 use super::resident::Resident;
 use super::timer::Timer;
 use crate::Result;
+use crate::grid::ChunkId;
 use crate::kernels::KernelError;
 
 /// What a recording came to.
@@ -67,7 +68,7 @@ impl Engine<'_> {
 }
 
 impl Execution<'_, '_> {
-    fn make_resident(&mut self, chunk: [u32; 2], bytes: u64) {
+    fn make_resident(&mut self, chunk: ChunkId, bytes: u64) {
         self.engine.resident.make(self.engine.device, &mut self.encoder, chunk, bytes);
     }
 

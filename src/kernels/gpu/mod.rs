@@ -27,6 +27,7 @@ use super::{Backend, ChunkStates, Limits, Shares, accumulate_counts, check_input
 use crate::binning::batch::BATCH;
 use crate::binning::batch::Batch;
 use crate::geometry::layout::{BLOCKS, CHUNK, Cone, Entry, Frame, SEGMENT, TILE_CELLS};
+use crate::grid::ChunkId;
 use crate::method::{self, Method, Step};
 use crate::{Error, Result};
 use device::Device;
@@ -211,7 +212,7 @@ impl Backend for Gpu {
         self.healthy()
     }
 
-    fn take(&mut self, chunk: [u32; 2]) -> Result<Option<Vec<u32>>> {
+    fn take(&mut self, chunk: ChunkId) -> Result<Option<Vec<u32>>> {
         self.healthy()?;
         self.resident.take(&self.device, chunk)
     }

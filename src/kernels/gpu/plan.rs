@@ -1,6 +1,6 @@
 //! The plan of a batch: which buffers, and which labelled passes over them, in order.
 
-use super::buffers::{ChunkBuffers, InputBuffers, chunk_of, make_chunks};
+use super::buffers::{ChunkBuffers, InputBuffers, make_chunks};
 use super::program::Program;
 use super::recording::{BufferId, Command, Dispatch, Download, Recording};
 use super::work::{Capacity, Work};
@@ -21,7 +21,7 @@ pub fn plan<'a>(work: &Work<'a>, capacity: Capacity) -> Result<Recording<'a>, Ke
     let mut recording = Recording::default();
     for list in &work.batch.chunks {
         let bytes = work.tile_bytes() * (CHUNK * CHUNK) as u64;
-        recording.command(Command::MakeResident { chunk: chunk_of(list), bytes });
+        recording.command(Command::MakeResident { chunk: list.place, bytes });
     }
     let input = InputBuffers::new(&mut recording, work, capacity);
     let chunks = make_chunks(&mut recording, work, &input, capacity)?;

@@ -2,6 +2,7 @@
 //! executes it.
 
 use super::program::Program;
+use crate::grid::ChunkId;
 use bytemuck::Pod;
 use std::borrow::Cow;
 
@@ -27,7 +28,7 @@ pub enum Contents<'a> {
     /// Cells of the resident chunk in this row and column, from this byte on.
     Resident {
         /// Row, column.
-        chunk: [u32; 2],
+        chunk: ChunkId,
         /// Bytes before the first cell.
         offset: u64,
     },
@@ -77,7 +78,7 @@ pub enum Command<'a> {
     /// Makes sure that a chunk, by row and column, has its cells on the device; new ones are zeros.
     MakeResident {
         /// Row, column.
-        chunk: [u32; 2],
+        chunk: ChunkId,
         /// Bytes of all of its cells.
         bytes: u64,
     },

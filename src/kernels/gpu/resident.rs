@@ -2,6 +2,7 @@
 
 use super::device::Device;
 use crate::Result;
+use crate::grid::ChunkId;
 use crate::kernels::ChunkStates;
 use std::collections::BTreeMap;
 
@@ -11,13 +12,13 @@ const MOST_RECYCLED: usize = 2;
 /// Chunks on the device, by row and column.
 #[derive(Default)]
 pub struct Resident {
-    chunks: BTreeMap<[u32; 2], wgpu::Buffer>,
+    chunks: BTreeMap<ChunkId, wgpu::Buffer>,
     recycled: Vec<wgpu::Buffer>,
 }
 
 impl Resident {
     /// Makes sure that a chunk is there; a new one is zeros once the encoder's commands run.
-    pub fn make(&mut self, device: &Device, encoder: &mut wgpu::CommandEncoder, chunk: [u32; 2], bytes: u64) {
+    pub fn make(&mut self, device: &Device, encoder: &mut wgpu::CommandEncoder, chunk: ChunkId, bytes: u64) {
         let recycled = &mut self.recycled;
         self.chunks.entry(chunk).or_insert_with(|| match recycled.iter().position(|b| b.size() == bytes) {
             Some(k) => {
@@ -30,7 +31,7 @@ impl Resident {
     }
 
     /// A chunk's buffer.
-    pub fn get(&self, chunk: [u32; 2]) -> Option<&wgpu::Buffer> {
+    pub fn get(&self, chunk: ChunkId) -> Option<&wgpu::Buffer> {
         self.chunks.get(&chunk)
     }
 
@@ -40,7 +41,7 @@ impl Resident {
     }
 
     /// Moves a chunk's words to the host.
-    pub fn take(&mut self, device: &Device, chunk: [u32; 2]) -> Result<Option<Vec<u32>>> {
+    pub fn take(&mut self, device: &Device, chunk: ChunkId) -> Result<Option<Vec<u32>>> {
         let Some(buffer) = self.chunks.remove(&chunk) else { return Ok(None) };
         let words = device.read(&buffer, buffer.size())?;
         if self.recycled.len() < MOST_RECYCLED {

@@ -8,7 +8,7 @@ use super::program::{BinnerKernel, Program};
 use super::recording::{BufferId, Command, Contents, Dispatch, Recording};
 use crate::binning::batch::ChunkList;
 use crate::binning::snap::Footprint;
-use crate::geometry::layout::{ARCS, AXIS, BLOCKS, BinningParams, CHUNK, Entry, SEGMENT, Tile};
+use crate::geometry::layout::{ARCS, AXIS, BLOCKS, BinningParams, CHUNK, Entry, SEGMENT, TILE, Tile};
 use crate::kernels::KernelError;
 use crate::kernels::bindings::Binding;
 use crate::{Error, Result};
@@ -61,7 +61,7 @@ impl TileBinner {
 pub fn params(size: [u32; 2], list: &ChunkList, footprint: Footprint, no_echo_arcs: bool) -> BinningParams {
     let flag = |on: bool, bit: u32| if on { bit } else { 0 };
     BinningParams {
-        chunk: list.place.map(|p| p * CHUNK as u32),
+        chunk: list.place.first_cell().map(|first| (first / TILE) as u32),
         size,
         cones: list.cone_bounds.len() as u32,
         segments: list.cone_bounds.len().div_ceil(SEGMENT) as u32,

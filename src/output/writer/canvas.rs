@@ -1,15 +1,16 @@
 //! Pictures that are written chunk by chunk: canvases of palette entries on disk, saved as PNG when the map is whole.
 
 use crate::Result;
-use crate::grid::{EDGE, GridSpec, Layer, Place};
+use crate::grid::{ChunkId, EDGE, GridSpec, Layer};
 use crate::output::png;
 use crate::output::raster::{Block, Raster, RasterLayout};
 use std::path::Path;
 
 /// The block of a chunk in a raster that is reduced by a factor.
-pub(super) fn block(part: &GridSpec, [row, column]: Place, factor: usize) -> Block {
+pub(super) fn block(part: &GridSpec, chunk: ChunkId, factor: usize) -> Block {
     let [width, height] = png::reduced(part, factor);
-    Block { column: column as usize * EDGE / factor, row: row as usize * EDGE / factor, width, height }
+    let [column, row] = chunk.first_cell().map(|first| first / factor);
+    Block { column, row, width, height }
 }
 
 /// Opens the canvas of a picture of the grid reduced by a factor: its palette entries, bottom row first.
@@ -19,12 +20,12 @@ pub(super) fn open_canvas(path: &Path, grid: &GridSpec, factor: usize, resume: b
 }
 
 /// Calls `show` with each shard of a level's entries.
-pub(super) fn shards(raster: &Raster, mut show: impl FnMut(Place, &[u8]) -> Result<()>) -> Result<()> {
+pub(super) fn shards(raster: &Raster, mut show: impl FnMut(ChunkId, &[u8]) -> Result<()>) -> Result<()> {
     let [width, height] = raster.extent();
     for row in (0..height).step_by(EDGE) {
         for column in (0..width).step_by(EDGE) {
             let block = Block { column, row, width: EDGE.min(width - column), height: EDGE.min(height - row) };
-            show([(row / EDGE) as u32, (column / EDGE) as u32], &raster.read(block)?)?;
+            show(ChunkId { row: (row / EDGE) as u32, column: (column / EDGE) as u32 }, &raster.read(block)?)?;
         }
     }
     Ok(())

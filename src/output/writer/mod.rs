@@ -14,7 +14,7 @@ use super::raster::Raster;
 use super::report::{self, ChunkStatistics};
 use super::{MapSchema, Report, RunInfo, figure, npy, png, ros, unwritable, zarr};
 use crate::Result;
-use crate::grid::{EDGE, GridSpec, Layer, Map, Place, part, places};
+use crate::grid::{ChunkId, EDGE, GridSpec, Layer, Map, chunks, part};
 use crate::pipeline::out_of_core::{ChunkSink, FinishedChunk};
 use canvas::{block, open_canvas, save_png, shards};
 use resume::same_run;
@@ -41,12 +41,12 @@ pub struct MapWriter {
     shown: usize,
     /// The layers' pictures while they are written.
     canvases: Vec<Raster>,
-    done: BTreeMap<Place, ChunkStatistics>,
+    done: BTreeMap<ChunkId, ChunkStatistics>,
     progress: File,
 }
 
 impl ChunkSink for MapWriter {
-    fn done(&self) -> BTreeSet<Place> {
+    fn done(&self) -> BTreeSet<ChunkId> {
         self.done.keys().copied().collect()
     }
 
@@ -120,7 +120,7 @@ impl MapWriter {
         let text = std::fs::read_to_string(path).map_err(|e| unwritable(path, e))?;
         let whole = text.rfind('\n').map_or(0, |end| end + 1);
         self.progress.set_len(whole as u64).map_err(|e| unwritable(path, e))?;
-        let lines = text[..whole].lines().map(serde_json::from_str::<(Place, ChunkStatistics)>);
+        let lines = text[..whole].lines().map(serde_json::from_str::<(ChunkId, ChunkStatistics)>);
         self.done = lines.collect::<serde_json::Result<_>>().map_err(|e| unwritable(path, e))?;
         Ok(())
     }
@@ -129,7 +129,7 @@ impl MapWriter {
     ///
     /// # Errors
     /// [`Error::Resources`](crate::Error::Resources) if a file can't be written.
-    pub fn chunk(&mut self, at: Place, map: &Map, combined: &Layer) -> Result<()> {
+    pub fn chunk(&mut self, at: ChunkId, map: &Map, combined: &Layer) -> Result<()> {
         self.store.chunk(at, map)?;
         let block = block(&map.grid, at, 1);
         for (raster, layer) in self.arrays.iter().zip(&map.layers) {
@@ -173,7 +173,7 @@ impl MapWriter {
     pub fn finish(mut self, info: &RunInfo) -> Result<Report> {
         let started = Instant::now();
         let schema = &self.schema;
-        for at in places(&schema.grid).filter(|at| !self.done.contains_key(at)) {
+        for at in chunks(&schema.grid).filter(|at| !self.done.contains_key(at)) {
             let grid = part(&schema.grid, at);
             let block = block(&grid, at, 1);
             self.pgm.fill(block, &[ros::pixel(0.0)])?;
@@ -198,11 +198,11 @@ impl MapWriter {
             save_png(raster, &self.folder.join(LAYER_PICTURE.of(&layer.name)), layer)?;
         }
         figure::write(&self.folder, schema, &info.classes)?;
-        let unreached: BTreeMap<Place, ChunkStatistics> = places(&schema.grid)
+        let unreached: BTreeMap<ChunkId, ChunkStatistics> = chunks(&schema.grid)
             .filter(|at| !self.done.contains_key(at))
             .map(|at| (at, ChunkStatistics::unreached(&schema.layers, part(&schema.grid, at).cells())))
             .collect();
-        let chunks = places(&schema.grid).filter_map(|at| self.done.get(&at).or(unreached.get(&at)));
+        let chunks = chunks(&schema.grid).filter_map(|at| self.done.get(&at).or(unreached.get(&at)));
         let mut report = Report::of(schema, chunks, info);
         report.files = files(&self.folder, schema, info);
         let mut attributes = zarr::attributes(schema, info);

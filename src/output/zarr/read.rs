@@ -1,8 +1,8 @@
 //! Reads a map's folder back.
 
 use super::{SHARD, Tried};
+use crate::grid::{ChunkId, chunks, part};
 use crate::grid::{Data, GridSpec, Layer, Map, Palette, Scale};
-use crate::grid::{Place, part, places};
 use crate::output::folder;
 use crate::output::names::{REPORT, STORE};
 use crate::{Error, Result};
@@ -112,7 +112,7 @@ impl StoreReader {
     }
 
     /// The stored size of a layer's shard, bytes; `None`: it is not stored, as all of it is the fill value.
-    pub fn stored(&self, layer: usize, [row, column]: [u32; 2]) -> Option<u64> {
+    pub fn stored(&self, layer: usize, ChunkId { row, column }: ChunkId) -> Option<u64> {
         let file = self.path.join(&self.names[layer]).join(format!("c/{row}/{column}"));
         std::fs::metadata(file).ok().map(|m| m.len())
     }
@@ -132,13 +132,13 @@ impl StoreReader {
 
     /// Reads a whole layer.
     pub fn layer(&self, layer: usize) -> Tried<Layer> {
-        let shards: Vec<Place> = places(&self.grid).collect();
+        let shards: Vec<ChunkId> = chunks(&self.grid).collect();
         let parts = shards.into_par_iter().map(|at| Ok((at, self.shard(layer, at)?))).collect::<Tried<Vec<_>>>()?;
         let Some((_, first)) = parts.first() else { return Err("the grid has no cell".into()) };
-        fn paste<T: Copy>(all: &mut [T], grid: &GridSpec, [row, column]: Place, values: &[T]) {
-            let width = part(grid, [row, column]).width;
+        fn paste<T: Copy>(all: &mut [T], grid: &GridSpec, chunk: ChunkId, values: &[T]) {
+            let width = part(grid, chunk).width;
             for (k, line) in values.chunks_exact(width).enumerate() {
-                let at = (row as usize * SHARD + k) * grid.width + column as usize * SHARD;
+                let at = (chunk.row as usize * SHARD + k) * grid.width + chunk.column as usize * SHARD;
                 all[at..at + width].copy_from_slice(line);
             }
         }
@@ -162,10 +162,10 @@ impl StoreReader {
     }
 
     /// Reads a layer's part in a shard. The whole shard is read, so that every checksum is tested.
-    pub fn shard(&self, layer: usize, at: Place) -> Tried<Layer> {
+    pub fn shard(&self, layer: usize, at: ChunkId) -> Tried<Layer> {
         let (array, name) = (&self.arrays[layer], &self.names[layer]);
         let GridSpec { width, height, .. } = part(&self.grid, at);
-        let at = at.map(u64::from);
+        let at = [at.row, at.column].map(u64::from);
         fn all<T: ElementOwned + Copy>(
             array: &Array<FilesystemStore>,
             at: &[u64],

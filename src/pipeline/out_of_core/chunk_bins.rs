@@ -2,7 +2,7 @@
 //! in one run of cones per chunk.
 
 use crate::geometry::layout::Cone;
-use crate::grid::Place;
+use crate::grid::ChunkId;
 use crate::support::positional_io;
 use crate::{Error, Result};
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Snapped readings by chunk. A cone's `index` is its reading's number in the log.
 pub struct ChunkBins {
-    buckets: BTreeMap<Place, Bucket>,
+    buckets: BTreeMap<ChunkId, Bucket>,
     /// Cones in memory, and their limit.
     held: usize,
     most: usize,
@@ -42,7 +42,7 @@ impl ChunkBins {
     ///
     /// # Errors
     /// [`Error::Resources`] where readings can't be spilled.
-    pub fn push(&mut self, place: Place, cone: Cone) -> Result<()> {
+    pub fn push(&mut self, place: ChunkId, cone: Cone) -> Result<()> {
         let bucket = self.buckets.entry(place).or_default();
         bucket.held.push(cone);
         bucket.count += 1;
@@ -75,7 +75,7 @@ impl ChunkBins {
     }
 
     /// The chunks that readings reach, row by row, each with its number of readings.
-    pub fn places(&self) -> Vec<(Place, u64)> {
+    pub fn chunks(&self) -> Vec<(ChunkId, u64)> {
         self.buckets.iter().map(|(place, bucket)| (*place, bucket.count)).collect()
     }
 
@@ -88,7 +88,7 @@ impl ChunkBins {
     ///
     /// # Errors
     /// [`Error::Resources`] where spilled readings can't be read back.
-    pub fn read(&self, place: Place, first: usize, count: usize) -> Result<Vec<Cone>> {
+    pub fn read(&self, place: ChunkId, first: usize, count: usize) -> Result<Vec<Cone>> {
         let Some(bucket) = self.buckets.get(&place) else { return Ok(Vec::new()) };
         let mut cones: Vec<Cone> = Vec::with_capacity(count.min(bucket.count as usize - first));
         let mut before = 0;
@@ -126,14 +126,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for memory in [0, 400_000, 1 << 30] {
             let mut bins = ChunkBins::new(folder.path(), memory);
-            let mut want: BTreeMap<Place, Vec<u32>> = BTreeMap::new();
+            let mut want: BTreeMap<ChunkId, Vec<u32>> = BTreeMap::new();
             for index in 0..20_000u32 {
-                let place = [index % 3, index * 7 % 5];
+                let place = ChunkId { row: index % 3, column: index * 7 % 5 };
                 want.entry(place).or_default().push(index);
                 bins.push(place, Cone { index, ..Cone::zeroed() }).unwrap();
             }
             assert_eq!(bins.spilled() > 0, memory < 1 << 20);
-            for (place, count) in bins.places() {
+            for (place, count) in bins.chunks() {
                 let all = &want[&place];
                 assert_eq!(count as usize, all.len());
                 for step in [1, 7, 1000, 30_000] {
@@ -144,7 +144,7 @@ mod tests {
                     assert!(numbers.eq(all.iter().copied().take(40 * step)), "{place:?} by {step}");
                 }
             }
-            assert_eq!(bins.read([9, 9], 0, 10).unwrap().len(), 0);
+            assert_eq!(bins.read(ChunkId { row: 9, column: 9 }, 0, 10).unwrap().len(), 0);
         }
     }
 }

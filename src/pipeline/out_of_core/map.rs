@@ -1,7 +1,7 @@
 //! Maps a log into a sink of chunks. A resumed run skips the chunks that the sink has, and reads the totals of the first rounds back.
 
 use super::{FinishedChunk, OutOfCoreRun, ResourcePlan};
-use crate::grid::{Place, places};
+use crate::grid::{ChunkId, chunks};
 use crate::kernels::Backend;
 use crate::log::reading::Counts;
 use crate::pipeline::session::Session;
@@ -19,7 +19,7 @@ pub const TOTALS_PARTIAL: &str = "found.partial";
 /// The sink of finished chunks, such as the files of a map.
 pub trait ChunkSink: Send {
     /// The chunks that are written, by this run or an earlier one.
-    fn done(&self) -> BTreeSet<Place>;
+    fn done(&self) -> BTreeSet<ChunkId>;
 
     /// Writes a chunk that is not written yet.
     ///
@@ -76,7 +76,7 @@ pub fn map(
     let used = session.survey.counts.used;
     let mut run = OutOfCoreRun::begin(session, plan.batch, folder, plan.bins, &*progress("sorting", used))?;
     lap("bin");
-    let binned: u64 = run.places().iter().map(|p| p.1).sum();
+    let binned: u64 = run.chunks().iter().map(|p| p.1).sum();
     let kept_totals = folder.join(TOTALS);
     let before = run.first_rounds();
     if !before.is_empty() {
@@ -91,13 +91,13 @@ pub fn map(
         lap("gather");
     }
     let done = sink.done();
-    let rest = run.places().iter().filter(|p| !done.contains(&p.0)).map(|p| p.1).sum::<u64>();
+    let rest = run.chunks().iter().filter(|p| !done.contains(&p.0)).map(|p| p.1).sum::<u64>();
     let traversals = run.last_round().len() as u64;
     let bar = progress(MAPPING, rest * traversals);
     run.finish(backend, &done, &*bar, &mut |chunk| sink.write(&chunk))?;
     lap("map");
     let _ = std::fs::remove_file(&kept_totals);
-    debug_assert!(places(&session.grid).count() >= sink.done().len());
+    debug_assert!(chunks(&session.grid).count() >= sink.done().len());
     let Counts { outside, empty_arc, wide, .. } = run.counts;
     let counts = Counts { outside, empty_arc, wide, ..session.survey.counts };
     let busy = [("read", run.busy.read), ("kernels", run.busy.kernels), ("take", run.busy.take)];

@@ -4,7 +4,7 @@ use super::ChunkBins;
 use crate::Result;
 use crate::binning::batch::{Batch, Binning, snapped};
 use crate::geometry::layout::Cone;
-use crate::grid::{GridSpec, Place};
+use crate::grid::{ChunkId, GridSpec};
 use crate::kernels::Limits;
 use crate::method::{Method, Step, Steps};
 use crate::pipeline::batching::exceeds_limits;
@@ -20,10 +20,10 @@ pub(super) enum InputSource {
 
 impl InputSource {
     /// The chunks that readings reach, row by row, each with its number of readings.
-    pub fn places(&self) -> Vec<(Place, u64)> {
+    pub fn chunks(&self) -> Vec<(ChunkId, u64)> {
         match self {
-            InputSource::Readings(bins) => bins.places(),
-            InputSource::Scans(scans) => scans.places(),
+            InputSource::Readings(bins) => bins.chunks(),
+            InputSource::Scans(scans) => scans.chunks(),
         }
     }
 
@@ -38,7 +38,7 @@ impl InputSource {
 
 /// A batch of one chunk's readings, binned.
 pub(super) struct BinnedBatch {
-    pub place: Place,
+    pub place: ChunkId,
     pub steps: Steps,
     pub batch: Batch,
     /// The numbers of its readings in the log; empty for scans.
@@ -62,7 +62,7 @@ pub(super) struct ChunkReader<'a> {
 /// A part of a chunk's readings, to be binned.
 struct ChunkPart<'a> {
     binning: &'a Binning,
-    place: Place,
+    place: ChunkId,
     steps: Steps,
     /// Whether it holds the chunk's last readings of the round.
     last: bool,
@@ -72,12 +72,12 @@ struct ChunkPart<'a> {
 pub(super) type OnBatch<'a> = dyn FnMut(BinnedBatch) -> bool + 'a;
 
 /// The binning of a method's readings onto a grid, or onto one chunk of it, for these steps.
-pub(super) fn binning(grid: &GridSpec, method: &dyn Method, steps: &[Step], only: Option<Place>) -> Binning {
+pub(super) fn binning(grid: &GridSpec, method: &dyn Method, steps: &[Step], only: Option<ChunkId>) -> Binning {
     Binning {
         size: [grid.width, grid.height],
         footprint: method.footprint(),
         no_echo_arcs: steps.contains(&Step::AccumulateCounts),
-        only: only.map(|[row, column]| [column, row]),
+        only,
     }
 }
 
@@ -86,7 +86,7 @@ impl ChunkReader<'_> {
     ///
     /// # Errors
     /// [`crate::Error::Resources`] where spilled readings can't be read back, or one reading exceeds the backend's limits.
-    pub fn batches(&self, place: Place, count: u64, traversals: &'static [Steps], give: &mut OnBatch) -> Result<()> {
+    pub fn batches(&self, place: ChunkId, count: u64, traversals: &'static [Steps], give: &mut OnBatch) -> Result<()> {
         match self.source {
             InputSource::Readings(bins) => self.of_readings(bins, (place, count as usize), traversals, give),
             InputSource::Scans(scans) => {
@@ -102,7 +102,7 @@ impl ChunkReader<'_> {
     fn of_readings(
         &self,
         bins: &ChunkBins,
-        (place, count): (Place, usize),
+        (place, count): (ChunkId, usize),
         traversals: &'static [Steps],
         give: &mut OnBatch,
     ) -> Result<()> {

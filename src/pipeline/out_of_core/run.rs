@@ -5,7 +5,7 @@ use super::busy::StageTimes;
 use super::reader::{ChunkReader, InputSource};
 use super::sort::Sorter;
 use super::stages::{FinishedChunk, OnChunk, Round};
-use crate::grid::{Place, part};
+use crate::grid::{ChunkId, part};
 use crate::kernels::{Backend, Limits, Shares};
 use crate::log::reading::Counts;
 use crate::method::{self, Input, Method, Steps};
@@ -86,8 +86,8 @@ impl<'a> OutOfCoreRun<'a> {
     }
 
     /// The chunks that readings reach, row by row, each with its number of readings.
-    pub fn places(&self) -> Vec<(Place, u64)> {
-        self.source.places()
+    pub fn chunks(&self) -> Vec<(ChunkId, u64)> {
+        self.source.chunks()
     }
 
     /// Bytes that were spilled to disk.
@@ -116,7 +116,7 @@ impl<'a> OutOfCoreRun<'a> {
     /// The backend's.
     pub fn calibrate(&self, backend: &mut dyn Backend, seconds: f64) -> Result<Calibration> {
         // Without a reading on the grid there is nothing to try.
-        let Some((place, count)) = self.places().into_iter().max_by_key(|p| p.1) else {
+        let Some((place, count)) = self.chunks().into_iter().max_by_key(|p| p.1) else {
             return Ok(Calibration::default());
         };
         let last = self.last_round;
@@ -135,8 +135,8 @@ impl<'a> OutOfCoreRun<'a> {
         let seconds = started.elapsed().as_secs_f64();
         let grid = part(&self.session.grid, place);
         let chunk = backend.take(place)?.map(|words| {
-            let finished = layers::from_chunks(&grid, self.method, &[([0, 0], words)].into());
-            FinishedChunk { place: [0, 0], finished }
+            let finished = layers::from_chunks(&grid, self.method, &[(ChunkId::default(), words)].into());
+            FinishedChunk { place: ChunkId::default(), finished }
         });
         Ok(Calibration { readings, seconds, chunk })
     }
@@ -146,7 +146,7 @@ impl<'a> OutOfCoreRun<'a> {
     /// # Errors
     /// The log's and the backend's.
     pub fn gather(&mut self, backend: &mut dyn Backend, progress: &dyn Fn(u64)) -> Result<()> {
-        let places = self.places();
+        let places = self.chunks();
         self.first_rounds.iter().try_for_each(|traversals| {
             let round = Round { grid: &self.session.grid, method: self.method, traversals, places: &places, progress };
             self.run_round(backend, &round, None)
@@ -160,11 +160,12 @@ impl<'a> OutOfCoreRun<'a> {
     pub fn finish(
         &mut self,
         backend: &mut dyn Backend,
-        done: &BTreeSet<Place>,
+        done: &BTreeSet<ChunkId>,
         progress: &dyn Fn(u64),
         take: &mut OnChunk,
     ) -> Result<()> {
-        let places: Vec<(Place, u64)> = self.places().into_iter().filter(|(place, _)| !done.contains(place)).collect();
+        let places: Vec<(ChunkId, u64)> =
+            self.chunks().into_iter().filter(|(place, _)| !done.contains(place)).collect();
         let (grid, traversals) = (&self.session.grid, self.last_round);
         let round = Round { grid, method: self.method, traversals, places: &places, progress };
         self.run_round(backend, &round, Some(take))

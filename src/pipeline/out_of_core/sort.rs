@@ -3,6 +3,7 @@
 use super::ChunkBins;
 use super::reader::binning;
 use crate::geometry::layout::Cone;
+use crate::grid::ChunkId;
 use crate::log::reading::Counts;
 use crate::pipeline::batching::{count_reached, snap_reading};
 use crate::pipeline::readings::ReadingInput;
@@ -52,7 +53,7 @@ impl<'a> Sorter<'a> {
         if self.readings > u64::from(u32::MAX) {
             return Err(Error::Resources("more than 4294967295 used readings: map the log in parts".into()));
         }
-        let cones: Vec<Option<(Cone, Vec<[u32; 2]>)>> = items
+        let cones: Vec<Option<(Cone, Vec<ChunkId>)>> = items
             .par_iter()
             .enumerate()
             .map(|(k, item)| {
@@ -64,8 +65,8 @@ impl<'a> Sorter<'a> {
         self.counts.outside += (cones.len() - snapped.len()) as u64;
         count_reached(&mut self.counts, &binning, &snapped);
         for (cone, chunks) in cones.into_iter().flatten() {
-            for [column, row] in chunks {
-                self.bins.push([row, column], cone)?;
+            for chunk in chunks {
+                self.bins.push(chunk, cone)?;
             }
         }
         Ok(())

@@ -3,7 +3,7 @@
 
 use super::busy::{StageClock, StageTimes};
 use super::reader::{BinnedBatch, ChunkReader};
-use crate::grid::{GridSpec, Place, part};
+use crate::grid::{ChunkId, GridSpec, part};
 use crate::kernels::{Backend, ChunkStates, Shares, normalize_by_count};
 use crate::method::{Method, Step, Steps};
 use crate::pipeline::batching::frame;
@@ -16,7 +16,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 #[derive(Debug, Clone)]
 pub struct FinishedChunk {
     /// Row and column.
-    pub place: Place,
+    pub place: ChunkId,
     /// Its part of the map, on its part of the grid.
     pub finished: FinishedMap,
 }
@@ -31,7 +31,7 @@ pub(super) struct Round<'a> {
     /// The steps of each pass over a chunk's readings.
     pub traversals: &'static [Steps],
     /// The chunks, each with its number of readings.
-    pub places: &'a [(Place, u64)],
+    pub places: &'a [(ChunkId, u64)],
     /// Receives the number of readings done since its last call.
     pub progress: &'a dyn Fn(u64),
 }
@@ -105,7 +105,7 @@ impl Round<'_> {
 /// The queues of the second stage.
 struct Queues {
     batches: Receiver<Result<BinnedBatch>>,
-    finished: SyncSender<(Place, Vec<u32>)>,
+    finished: SyncSender<(ChunkId, Vec<u32>)>,
     /// The zeroed memory of finished chunks, to be reused.
     zeros: Receiver<Vec<u32>>,
     /// Whether it is the last round.
@@ -115,7 +115,7 @@ struct Queues {
 /// The first stage: reads the chunks' readings and bins them, one batch ahead.
 fn read(
     reader: &ChunkReader,
-    places: &[(Place, u64)],
+    places: &[(ChunkId, u64)],
     traversals: &'static [Steps],
     ready: &SyncSender<Result<BinnedBatch>>,
 ) -> f64 {
@@ -135,13 +135,13 @@ fn read(
 fn finish(
     grid: &GridSpec,
     method: &dyn Method,
-    words: &Receiver<(Place, Vec<u32>)>,
+    words: &Receiver<(ChunkId, Vec<u32>)>,
     give_back: Option<&SyncSender<Vec<u32>>>,
     take: &mut OnChunk,
 ) -> Result<f64> {
     let mut clock = StageClock::start();
     while let Ok((place, words)) = clock.wait(|| words.recv()) {
-        let mut cells: ChunkStates = [([0, 0], words)].into();
+        let mut cells: ChunkStates = [(ChunkId::default(), words)].into();
         let finished = layers::from_chunks(&part(grid, place), method, &cells);
         if let (Some(give_back), Some((_, mut words))) = (give_back, cells.pop_first()) {
             words.fill(0);

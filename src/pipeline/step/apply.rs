@@ -46,7 +46,7 @@ pub(super) fn snap_update(session: &Session, update: &Update) -> Result<Option<S
 /// Adds the tiles of a batch.
 fn add_tiles(batch: &Batch, tiles: &mut Tiles) {
     for list in &batch.chunks {
-        tiles.extend(list.tiles.iter().map(|t| tile_at([list.place[1], list.place[0]], t.slot)));
+        tiles.extend(list.tiles.iter().map(|t| tile_at(list.place, t.slot)));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Access to the cells and tiles in the chunks of a kernel.
 
 use crate::geometry::layout::{CHUNK, TILE, TILE_CELLS};
-use crate::grid::Class;
+use crate::grid::{ChunkId, Class};
 use crate::kernels::ChunkStates;
 use crate::method::Method;
 use std::collections::BTreeSet;
@@ -53,16 +53,16 @@ impl Cell {
     }
 }
 
-/// The chunk of a tile, by row and column, and the tile's slot there.
-pub(super) fn place([row, column]: [u32; 2]) -> ([u32; 2], usize) {
-    let chunk = [row, column].map(|t| t / CHUNK as u32);
+/// The chunk of a tile, by row and column in the grid, and the tile's slot there.
+pub(super) fn place([row, column]: [u32; 2]) -> (ChunkId, usize) {
+    let chunk = ChunkId { row: row / CHUNK as u32, column: column / CHUNK as u32 };
     (chunk, row as usize % CHUNK * CHUNK + column as usize % CHUNK)
 }
 
 /// The tile, by row and column, in a slot of a chunk.
-pub(crate) fn tile_at(chunk: [u32; 2], slot: u32) -> [u32; 2] {
+pub(crate) fn tile_at(chunk: ChunkId, slot: u32) -> [u32; 2] {
     let edge = CHUNK as u32;
-    [chunk[0] * edge + slot / edge, chunk[1] * edge + slot % edge]
+    [chunk.row * edge + slot / edge, chunk.column * edge + slot % edge]
 }
 
 /// The words of a tile, plane by plane; `None`: its chunk has no memory yet, all of its words are 0.

@@ -10,7 +10,8 @@ use super::{Cell, LogInputs, Stepper};
 use crate::binning::batch::Batch;
 use crate::binning::snap::region;
 use crate::binning::update::Bins;
-use crate::geometry::layout::{CHUNK, COUNT, Frame, TILE, TILE_CELLS};
+use crate::geometry::layout::{COUNT, Frame, TILE, TILE_CELLS};
+use crate::grid::{ChunkId, EDGE};
 use crate::method::driver::{Job, TileTask};
 use crate::method::{self, Pass, Step};
 use crate::oracle;
@@ -110,7 +111,7 @@ impl Stepper {
         let sweeps = self.method().sweeps();
         for (sweep, steps) in sweeps.iter().enumerate() {
             let mut binning = binning(session, steps);
-            binning.only = Some([(column / (TILE * CHUNK)) as u32, (row / (TILE * CHUNK)) as u32]);
+            binning.only = Some(ChunkId { row: (row / EDGE) as u32, column: (column / EDGE) as u32 });
             for (k, _, cone) in touching.iter().filter(|t| sweeps.len() == 1 || t.1 == (sweep > 0)) {
                 let share = self.shares.get(*k).copied().unwrap_or_default();
                 run.apply(*k, &binning.bin(vec![*cone]), steps, share)?;

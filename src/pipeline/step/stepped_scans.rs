@@ -6,7 +6,7 @@ use crate::Result;
 use crate::binning::batch::PAIRS;
 use crate::binning::scan::{Index, Most, Scan, Selection, Store, Tiles as Listing, snap};
 use crate::geometry::layout::CHUNK;
-use crate::grid::{Place, part, places};
+use crate::grid::{ChunkId, chunks, part};
 use crate::kernels::Backend;
 use crate::kernels::cpu::Cpu;
 use crate::method::settings::Csm;
@@ -47,7 +47,7 @@ impl SteppedScans {
     pub fn change(&self, session: &Session, from: usize, to: usize) -> Change {
         let (scans, larger) = (from.min(to)..from.max(to), self.index(from.max(to)));
         let range = scans.start as u32..scans.end as u32;
-        let near = |chunk: &Place| {
+        let near = |chunk: &ChunkId| {
             let grid = part(&session.grid, *chunk);
             let farthest = self.selection.z_max + grid.resolution;
             let ends = [(grid.x0(), grid.width), (grid.y0(), grid.height)]
@@ -60,11 +60,11 @@ impl SteppedScans {
                 away(0).hypot(away(1)) <= farthest
             })
         };
-        let of = |chunk: Place| {
+        let of = |chunk: ChunkId| {
             let listing = Listing::of(&session.grid, chunk, &self.store, larger.as_ref(), self.selection);
             (chunk, listing.concerned(range.clone()))
         };
-        let tiles = places(&session.grid).filter(near).map(of).filter(|(_, tiles)| !tiles.is_empty()).collect();
+        let tiles = chunks(&session.grid).filter(near).map(of).filter(|(_, tiles)| !tiles.is_empty()).collect();
         let index = if to >= from { larger } else { self.index(to) };
         // Where a cell takes all poses more scans only add to what is there.
         let adds = (self.selection.neighbours.is_none() && to > from).then_some(from as u32..to as u32);
@@ -98,7 +98,7 @@ impl SteppedScans {
 /// A change of the number of scans.
 pub struct Change {
     /// The tiles that may change, by chunk.
-    tiles: Vec<(Place, Vec<[usize; 2]>)>,
+    tiles: Vec<(ChunkId, Vec<[usize; 2]>)>,
     /// The index of the poses after the change.
     index: Option<Index>,
     /// The scans to add to the present state; `None`: the tiles are computed from nothing.
@@ -115,6 +115,6 @@ impl Change {
 }
 
 /// The row and column in the grid of a chunk's tile.
-fn tile(chunk: Place, [column, row]: [usize; 2]) -> [u32; 2] {
+fn tile(chunk: ChunkId, [column, row]: [usize; 2]) -> [u32; 2] {
     tile_at(chunk, (row * CHUNK + column) as u32)
 }

@@ -96,7 +96,7 @@ pub fn batch(lane: &Lane, request: &Request) -> Result<Response> {
     let buffers = buffers.map(|(name, content)| GpuBuffer { name, span: bytes.add(content) }).to_vec();
     let frame = bytes.add(bytes_of(&Frame { mode: 0, ..frame }));
     let chunk = |list: &crate::binning::batch::ChunkList| GpuChunk {
-        place: list.place,
+        place: [list.place.column, list.place.row],
         tiles: bytes.add(cast_slice(&list.tiles)),
         entries: bytes.add(cast_slice(&list.entries)),
         count: list.tiles.len(),

@@ -3,6 +3,7 @@
 use super::lane::Lane;
 use super::webgpu_batch::pack;
 use crate::geometry::layout::{CHUNK, TILE, TILE_CELLS};
+use crate::grid::ChunkId;
 use crate::kernels::{self, ChunkStates};
 use crate::method;
 use crate::pipeline::step::{Cell, Tiles, cell_of, tile_at, tile_of};
@@ -46,15 +47,17 @@ pub fn words(lane: &mut Lane, request: &Request) -> Result<(GpuCheck, Tiles)> {
     }
     let (tiles, words) = rest.split_at(3 * count);
     let own = lane.stepper.chunks();
+    // A tile is sent as its chunk's column and row, and its slot.
+    let chunk = |t: &[u32]| ChunkId { column: t[0], row: t[1] };
     // No memory is allocated for chunks that no reading reached.
-    let within = |t: &&[u32]| own.contains_key(&[t[1], t[0]]) && (t[2] as usize) < CHUNK * CHUNK;
+    let within = |t: &&[u32]| own.contains_key(&chunk(t)) && (t[2] as usize) < CHUNK * CHUNK;
     if let Some(tile) = tiles.chunks_exact(3).find(|t| !within(t)) {
         return Err(Error::Usage(format!("no reading reached tile {tile:?}")));
     }
     let page = lane.webgpu.get_or_insert_with(ChunkStates::new);
     let mut reached = Tiles::new();
     for (tile, sent) in tiles.chunks_exact(3).zip(words.chunks_exact(size)) {
-        let (chunk, slot) = ([tile[1], tile[0]], tile[2]);
+        let (chunk, slot) = (chunk(tile), tile[2]);
         let state = page.entry(chunk).or_insert_with(|| vec![0; size * CHUNK * CHUNK]);
         state[slot as usize * size..][..size].copy_from_slice(sent);
         reached.insert(tile_at(chunk, slot));
