@@ -3,6 +3,11 @@
 //! *readings*, *binning* says which tiles they reach, a *method* runs on one of the *kernels*, a *pipeline* takes a whole log to
 //! the layers of a *grid*, *output* writes them, *evaluate* compares them.
 
+#![cfg_attr(
+    not(all(feature = "view", feature = "cli")),
+    allow(dead_code, unused_imports, reason = "what only the page and the command use")
+)]
+
 pub mod support;
 pub mod geometry;
 pub mod grid;

@@ -5,6 +5,9 @@ use super::{Backend, adapter, cpu::Cpu};
 use crate::method::Method;
 use crate::{Error, Result};
 
+/// Why there is no GPU backend.
+const NO_GPU: &str = "this echogrid is built without its feature gpu";
+
 /// What the user asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Choice {
@@ -38,11 +41,12 @@ pub fn choose(choice: Choice, method: &dyn Method, threads: usize) -> Result<Cho
     let cpu = |why: String| -> Result<Chosen> { Ok(Chosen { backend: Box::new(Cpu::new(threads)?), why }) };
     match (choice, method.cpu_only()) {
         (Choice::Cpu, _) => cpu(String::new()),
-        (Choice::Gpu, Some(why)) => Err(Error::NoAdapter(format!("{why}: use --backend cpu"))),
+        (Choice::Gpu, Some(why)) => Err(Error::NoAdapter(format!("{why}: use `backend cpu`"))),
         (Choice::Auto, Some(why)) => cpu(why.into()),
         (Choice::Gpu, None) => Ok(Chosen { backend: open_gpu(false)?, why: String::new() }),
         (Choice::Auto, None) => match open_gpu(true) {
             Ok(backend) => Ok(Chosen { backend, why: "the best hardware adapter".into() }),
+            Err(_) if cfg!(not(feature = "gpu")) => cpu(NO_GPU.into()),
             Err(_) => {
                 let software = adapter::list().first().map(|a| format!(", only {}", a.name)).unwrap_or_default();
                 let broken = Drivers::look().broken().next().map(|m| format!(" ({m})")).unwrap_or_default();
@@ -62,5 +66,5 @@ fn open_gpu(hardware: bool) -> Result<Box<dyn Backend>> {
 /// The same of a program that has no GPU backend.
 #[cfg(not(feature = "gpu"))]
 fn open_gpu(_hardware: bool) -> Result<Box<dyn Backend>> {
-    Err(Error::NoAdapter("this echogrid is built without its gpu feature: use --backend cpu".into()))
+    Err(Error::NoAdapter(format!("{NO_GPU}: use `backend cpu`")))
 }

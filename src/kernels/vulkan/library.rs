@@ -1,10 +1,11 @@
-//! Opens the Vulkan loader's and drivers' libraries to see whether they can be used. Where the loader is another, nothing is checked.
+//! Opens the Vulkan loader's and drivers' libraries to see whether they can be used. Where the loader is another, or without the
+//! feature `gpu`, nothing is checked.
 
 use std::path::Path;
 
 pub(super) use platform::{driver, loader};
 
-#[cfg(all(unix, not(target_os = "macos")))]
+#[cfg(all(feature = "gpu", unix, not(target_os = "macos")))]
 mod platform {
     use super::Path;
     use libloading::Library;
@@ -31,7 +32,7 @@ mod platform {
     }
 }
 
-#[cfg(not(all(unix, not(target_os = "macos"))))]
+#[cfg(not(all(feature = "gpu", unix, not(target_os = "macos"))))]
 mod platform {
     use super::Path;
 
