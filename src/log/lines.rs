@@ -97,7 +97,7 @@ pub(crate) fn unreadable(path: &Path, line: Option<u64>, error: io::Error) -> Er
         io::ErrorKind::NotFound => "no such file or folder".into(),
         _ => format!("can't be read: {error}"),
     };
-    Error::Input { path: path.into(), line, what, cause: Some(error.into()) }
+    Error::Input { path: path.into(), line, what, cause: Some(Box::new(error.into())) }
 }
 
 #[cfg(test)]

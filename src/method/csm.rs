@@ -54,6 +54,8 @@ pub struct Row {
     pub squares: [f64; TILE],
     /// 1 where the cell takes the beam, else 0.
     pub taken: [u32; TILE],
+    /// The row in the tile.
+    pub line: usize,
 }
 
 /// A number that tells a beam of a scan from others, label and all.
@@ -63,16 +65,16 @@ pub fn mark(scan: u32, id: u32) -> u32 {
     (mixed ^ mixed >> 15).wrapping_mul(0xc2b2_ae35)
 }
 
-/// What a beam of a scan says of the cells that take it; `planes` are the tile's, `line` is the row's.
+/// What a beam of a scan says of the cells that take it; `planes` are the tile's.
 #[inline(always)]
-pub fn update(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane], line: usize) {
+pub fn update(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane]) {
     if beam.id & IDLE != 0 {
         return;
     }
     if csm.continuous {
-        continuous(csm, frame, scan, beam, row, planes, line);
+        continuous(csm, frame, scan, beam, row, planes);
     } else {
-        discrete(csm, frame, scan, beam, row, planes, line);
+        discrete(csm, frame, scan, beam, row, planes);
     }
 }
 
@@ -110,7 +112,8 @@ fn add_marks(planes: &mut [Plane], line: usize, mark: u32, touched: &[u32; TILE]
 }
 
 #[inline(always)]
-fn discrete(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane], line: usize) {
+fn discrete(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane]) {
+    let line = row.line;
     let [right, left] = floats(beam.ray);
     let half = frame.limits[1];
     let (inner, outer) = (f64::from((beam.range - half).max(0)), f64::from(beam.range + half));
@@ -179,7 +182,8 @@ fn touches(x: f64, y: f64, reach: f64) -> bool {
 }
 
 #[inline(always)]
-fn continuous(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane], line: usize) {
+fn continuous(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane]) {
+    let line = row.line;
     let [unit, hit] = floats(beam.ray);
     let [reach, step, l] = [f64::from(frame.limits[1]), f64::from(frame.limits[2]), f64::from(frame.limits[3])];
     let (range, label, projected) = (f64::from(beam.range), beam.id & 255, csm.free == FreeRule::Projection);

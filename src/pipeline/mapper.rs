@@ -113,7 +113,7 @@ impl<'a> Mapper<'a> {
         }
         if sweep == 0 && self.counting {
             self.counts.outside += misses;
-            count_reached(&mut self.counts, &binning, &batch.cones());
+            count_reached(&mut self.counts, &binning, batch.cones());
         }
         self.statistics.count(&batch);
         self.backend.apply(method, frame(&self.grid, method), &batch, steps, &mut Vec::new())

@@ -20,7 +20,7 @@ pub enum Error {
         what: String,
         /// The error that caused it, where there is one.
         #[source]
-        cause: Option<Cause>,
+        cause: Option<Box<Cause>>,
     },
     /// A GPU was asked for and none is there, or it can't do the work.
     #[error("{0}")]
@@ -63,14 +63,19 @@ impl Error {
 
     /// An [`Error::Input`] about a whole file, with the error that caused it.
     pub fn caused(path: impl Into<PathBuf>, what: impl Into<String>, cause: impl Into<Cause>) -> Self {
-        Error::Input { path: path.into(), line: None, what: what.into(), cause: Some(cause.into()) }
+        Error::Input { path: path.into(), line: None, what: what.into(), cause: Some(Box::new(cause.into())) }
     }
 
     /// An [`Error::Input`] about a text that is not the expected TOML, with its line.
     pub(crate) fn toml(path: impl Into<PathBuf>, text: &str, error: &toml::de::Error) -> Self {
         let line = |at: usize| text.bytes().take(at).filter(|b| *b == b'\n').count() as u64 + 1;
         let line = error.span().map(|span| line(span.start));
-        Error::Input { path: path.into(), line, what: error.message().to_string(), cause: Some(error.clone().into()) }
+        Error::Input {
+            path: path.into(),
+            line,
+            what: error.message().to_string(),
+            cause: Some(Box::new(error.clone().into())),
+        }
     }
 
     /// Appends to the message, after a semicolon.

@@ -139,7 +139,7 @@ fn contributing_beams(
     let beams = &job.beams[scan.first as usize..][..scan.count as usize];
     let (low, high) = (entry.slot & 0xffff, entry.slot >> 16);
     let y = y - scan.pose[1];
-    let mut seen = Row { x: [0.0; TILE], y: f64::from(y), squares: *squares, taken: [0; TILE] };
+    let mut seen = Row { x: [0.0; TILE], y: f64::from(y), squares: *squares, taken: [0; TILE], line };
     for k in 0..TILE {
         seen.x[k] = f64::from(xs[k].wrapping_sub(scan.pose[0]));
     }
@@ -174,7 +174,7 @@ fn contributing_beams(
             seen.taken[k] = u32::from(found[k] == at);
         }
         let beam = &beams[if at == scan.count { 0 } else { at as usize }];
-        update(csm, job.frame, scan.number, beam, &seen, planes, line);
+        update(csm, job.frame, scan.number, beam, &seen, planes);
         while next < TILE && (found[next] == at || found[next] == NONE) {
             next += 1;
         }

@@ -38,7 +38,7 @@ pub fn session(options: &Options, lanes: &Lanes) -> Result<Session> {
         epsilon: finite(s.epsilon(grid.resolution)),
     });
     let survey = &first.session().survey;
-    let readings = serde_json::to_value(&survey.counts)
+    let readings = serde_json::to_value(survey.counts)
         .map_err(|e| Error::Resources(format!("the counts of readings can't be written as JSON: {e}")))?;
     let name = options.path.file_name().unwrap_or(options.path.as_os_str());
     Ok(Session::Log(Box::new(LogSession {

@@ -111,9 +111,9 @@ pub fn batch(lane: &Lane, request: &Request) -> Result<Response> {
         from: range.start,
         to: range.end,
         frame,
-        readings: readings,
+        readings,
         parts_bytes: parts_bytes.max(16),
-        shaders: shaders(request, method, &steps, wide, broad),
+        shaders: shaders(request, method, steps, wide, broad),
         buffers,
         chunks,
     };
