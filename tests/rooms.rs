@@ -1,7 +1,7 @@
 //! The rooms of `src/`: each module that `src/lib.rs` declares uses only modules declared before it, and no files name each
 //! other in a circle. Paths that begin with `crate::` or `super::` are read as text; what a test module uses doesn't count.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -162,4 +162,23 @@ fn a_use_tree_is_read_whole() {
     assert_eq!(paths(&module, "use super::codes::Code; super::super::x::y()"), ["log::codes::Code", "x::y"]);
     let uses = [("a", "b"), ("b", "c"), ("c", "b")].map(|(a, b)| (a.to_string(), BTreeSet::from([b.to_string()])));
     assert_eq!(circles(&uses.into()), [["b", "c"]]);
+}
+
+#[test]
+fn the_functions_on_a_readings_way_are_where_architecture_says() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("ARCHITECTURE.md")).unwrap();
+    let way = text.split("## One reading").nth(1).unwrap().split("\n## ").next().unwrap();
+    let mut found = 0;
+    for line in way.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())) {
+        let path = line.split('`').nth(1).unwrap();
+        let (module, function) = path.rsplit_once("::").unwrap();
+        let file = root.join("src").join(module.replace("::", "/"));
+        let source = [file.with_extension("rs"), file.join("mod.rs")];
+        let source = source.iter().find(|f| f.exists()).unwrap_or_else(|| panic!("{path}: there is no such file"));
+        let defined = ["(", "<"].map(|after| format!("fn {function}{after}"));
+        assert!(defined.iter().any(|d| code(source).contains(d)), "{path}: {} has no such function", source.display());
+        found += 1;
+    }
+    assert!((1..=9).contains(&found), "{found} functions");
 }

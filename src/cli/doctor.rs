@@ -6,7 +6,7 @@ use crate::Result;
 use crate::geometry::layout;
 use crate::kernels::{Backend, cpu::Cpu};
 #[cfg(feature = "gpu")]
-use crate::kernels::{adapter, vulkan::Drivers};
+use crate::kernels::{adapter, adapters, vulkan::Drivers};
 use crate::method::{self, REGISTRY, settings::Settings};
 use crate::support::memory::{available, format_size};
 use serde_json::json;
@@ -63,7 +63,7 @@ struct Gpus {
 #[cfg(feature = "gpu")]
 impl Gpus {
     fn find() -> Gpus {
-        Gpus { adapters: adapter::list(), drivers: Drivers::look() }
+        Gpus { adapters: adapters(), drivers: Drivers::look() }
     }
 
     /// The name of the best hardware adapter.

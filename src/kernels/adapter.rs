@@ -31,11 +31,3 @@ impl std::fmt::Display for AdapterInfo {
         write!(f, "{} ({}{software}; {})", self.name, self.api, self.driver)
     }
 }
-
-/// Every adapter that can compute, the best first; none where the program is built without the `gpu` feature.
-pub fn list() -> Vec<AdapterInfo> {
-    #[cfg(feature = "gpu")]
-    return super::gpu::adapter::list();
-    #[cfg(not(feature = "gpu"))]
-    Vec::new()
-}

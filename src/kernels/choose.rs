@@ -1,7 +1,8 @@
 //! Which backend a run takes, and why.
 
 use super::vulkan::Drivers;
-use super::{Backend, adapter, cpu::Cpu};
+use super::adapter::AdapterInfo;
+use super::{Backend, cpu::Cpu};
 use crate::method::Method;
 use crate::{Error, Result};
 
@@ -48,7 +49,7 @@ pub fn choose(choice: Choice, method: &dyn Method, threads: usize) -> Result<Cho
             Ok(backend) => Ok(Chosen { backend, why: "the best hardware adapter".into() }),
             Err(_) if cfg!(not(feature = "gpu")) => cpu(NO_GPU.into()),
             Err(_) => {
-                let software = adapter::list().first().map(|a| format!(", only {}", a.name)).unwrap_or_default();
+                let software = adapters().first().map(|a| format!(", only {}", a.name)).unwrap_or_default();
                 let broken = Drivers::look().broken().next().map(|m| format!(" ({m})")).unwrap_or_default();
                 cpu(format!("there is no hardware GPU adapter{software}{broken}"))
             }
@@ -67,4 +68,12 @@ fn open_gpu(hardware: bool) -> Result<Box<dyn Backend>> {
 #[cfg(not(feature = "gpu"))]
 fn open_gpu(_hardware: bool) -> Result<Box<dyn Backend>> {
     Err(Error::NoAdapter(format!("{NO_GPU}: use `backend cpu`")))
+}
+
+/// Every adapter that can compute, the best first; none where the program is built without the `gpu` feature.
+pub fn adapters() -> Vec<AdapterInfo> {
+    #[cfg(feature = "gpu")]
+    return super::gpu::adapter::list();
+    #[cfg(not(feature = "gpu"))]
+    Vec::new()
 }

@@ -13,7 +13,7 @@ pub mod peak;
 pub mod shader;
 pub mod vulkan;
 
-pub use choose::{Choice, Chosen, choose, gpu_required};
+pub use choose::{Choice, Chosen, adapters, choose, gpu_required};
 pub use error::KernelError;
 
 use crate::Result;
