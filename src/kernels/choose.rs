@@ -1,7 +1,7 @@
 //! Which backend a run takes, and why.
 
-use super::vulkan::Drivers;
 use super::adapter::AdapterInfo;
+use super::vulkan::Drivers;
 use super::{Backend, cpu::Cpu};
 use crate::method::Method;
 use crate::{Error, Result};

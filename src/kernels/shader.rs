@@ -16,6 +16,7 @@ const ORDER: &str = include_str!("../../shaders/binning/scan/order.wgsl");
 const SCAN: &str = include_str!("../../shaders/method/driver/scan.wgsl");
 const UPDATES: &str = include_str!("../../shaders/method/driver/updates.wgsl");
 const REGION: &str = include_str!("../../shaders/binning/update/region.wgsl");
+const REACH: &str = include_str!("../../shaders/binning/update/reach.wgsl");
 const UPDATE: &str = include_str!("../../shaders/method/driver/update.wgsl");
 const TILE: &str = include_str!("../../shaders/method/driver/tile.wgsl");
 const STAGE: &str = include_str!("../../shaders/method/driver/stage.wgsl");
@@ -84,7 +85,9 @@ pub fn source(method: &dyn Method, kernel: Kernel, wide: bool, vec4s_per_thread:
         (Unit::Update, Kernel::Fuse) => {
             // No update reaches farther than 512 cells.
             let driver = unroll(UPDATE, vec4s_per_thread);
-            return Ok([LAYOUT, UPDATES, CONE, NARROW, PROFILE, REGION, half, &threads, TILE, &driver].join("\n"));
+            return Ok(
+                [LAYOUT, UPDATES, CONE, NARROW, PROFILE, REGION, half, &threads, TILE, REACH, &driver].join("\n")
+            );
         }
         (input @ (Unit::Scan | Unit::Update), Kernel::Weigh | Kernel::Count | Kernel::Sum) => {
             return Err(KernelError::NoKernel { kernel: kernel.name(), input: input.name() });

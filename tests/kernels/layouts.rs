@@ -275,10 +275,10 @@ fn twins_name_each_other() {
             }
         }
     }
-    // Each method's half, odds, and layout, cone, wide, int64, narrow, profile, order, region, tile, scan, update, and what
+    // Each method's half, odds, and layout, cone, wide, int64, narrow, profile, order, region, reach, tile, scan, update, and what
     // passes bind; stage, and what lists tiles: near, meets, tiles.
     let halves: BTreeSet<String> = method::REGISTRY.iter().map(half).collect();
-    assert_eq!(twins, halves.len() + 19);
+    assert_eq!(twins, halves.len() + 20);
     for half in halves {
         assert!(shaders.iter().any(|s| relative(s) == format!("shaders/method/{half}.wgsl")), "{half}");
     }
@@ -372,7 +372,7 @@ fn twins_have_functions_of_the_same_names() {
         // The CPU looks at a tile through `EdgeFunctions`, before it walks the tile.
         ("shaders/method/driver/weigh.wgsl", &["groups_of", "part_of_tile", "part_of_group"]),
         // One mask for three sources instead of their codes.
-        ("shaders/method/driver/update.wgsl", &["source", "part"]),
+        ("shaders/binning/update/reach.wgsl", &["source", "part"]),
     ];
     let paired = ["shaders/method", "shaders/method/driver", "shaders/binning/update", "shaders/binning/scan"];
     // Twins by what they do: the CPU has a tile's rows where the GPU has a thread's cells.

@@ -286,7 +286,10 @@ fn verify_names_the_readings() {
         verify::check_backend(&session, &oracle, run).unwrap()
     };
     assert!(check(&mut Cpu::new(0).unwrap()).passed);
-    let Some(mut patched) = patched_gpu(&[("update.number, said_0", "update.number + 1u, said_0")]) else { return };
+    let Some(mut patched) = patched_gpu(&[("update.number, contributions_0", "update.number + 1u, contributions_0")])
+    else {
+        return;
+    };
     let found = check(&mut patched);
     assert!(!found.passed && found.membership > 1000);
     let last = found.membership_cell.unwrap().last_readings;

@@ -70,7 +70,7 @@ fn geojson_holds_the_places_and_what_saw_them() {
     assert_eq!(
         *properties(2),
         json!({
-            "kind": "corner", "probability": 0.8765, "walls": [0, 1], "extrapolated_walls": [null, [[3.0, 4.0], [2.5, 4.0]]],
+            "kind": "corner", "probability": 0.8765, "walls": [0, 1], "legs": [null, [[3.0, 4.0], [2.5, 4.0]]],
             "scans": 2, "regions": 3, "readings": 25, "lines": [[20, 28], [40, 51], [90, 93]]
         })
     );

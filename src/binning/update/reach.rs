@@ -1,4 +1,5 @@
-//! The cells of a tile that an update reaches: those of its fans and lines, and of its cone.
+//! The cells of a tile that an update reaches: those of its fans and lines, and of its cone; twin of
+//! `shaders/binning/update/reach.wgsl`.
 
 use super::region::{Rows, in_fan, on_lines};
 use crate::geometry::bits::Bits;

@@ -1,7 +1,5 @@
 //! Broken logs: each with the message it gives, and nothing ever panics.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
 use echogrid::log::{Log, Options, Problem};
 use echogrid::{Error, ErrorKind};
 use proptest::prelude::*;

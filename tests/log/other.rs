@@ -1,8 +1,6 @@
 //! Logs of courses, old robots and other programs, made here in a room whose walls are known: every hit must lie on one of them, so that a
 //! mirrored bearing, a shifted pose or another unit shows.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
 use echogrid::log::reading::{Pose, Record};
 use echogrid::log::{Log, Options, Problem};
 use echogrid::sensor::Kind;

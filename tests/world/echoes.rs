@@ -2,8 +2,6 @@
 //! It needs Python 3.11 or newer (tomllib) with numpy. `scripts/test` makes the environment; without one the tests say
 //! so on standard error, and `ECHOGRID_REQUIRE_PYTHON=1` makes that an error.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy.toml allows them in test functions; here are helpers")]
-
 use echogrid::world::rig::Noise;
 use echogrid::world::{Rig, Simulation, World, simulate};
 use std::fs::File;

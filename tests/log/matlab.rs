@@ -1,7 +1,5 @@
 //! MATLAB logs, made here byte by byte: every way in which their numbers may be stored, and everything that may be wrong with them.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
 use echogrid::ErrorKind;
 use echogrid::log::reading::Record;
 use echogrid::log::{Log, Options, Problem};

@@ -1,7 +1,5 @@
 //! CARMEN logs of many kinds, made up in a room whose walls are known: each reading that counts as a hit must lie on one.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
 use echogrid::Error;
 use echogrid::log::reading::{Counts, Outcome, Pose, classify};
 use echogrid::log::{Log, Options};

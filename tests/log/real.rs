@@ -1,11 +1,6 @@
 //! The logs of real robots, where they are at hand: `$ECHOGRID_DATA`, or `../shared/data` beside the repository.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
-#[path = "data/mod.rs"]
-mod data;
-
-use data::data;
+use crate::data::data;
 use echogrid::log::reading::{Counts, Record, Unused, classify};
 use echogrid::log::{Log, Options, Problem};
 use echogrid::sensor::{Kind, Overrides};

@@ -1,7 +1,5 @@
 //! True maps: areas by an independent rule, whole-cell shifts, hidden surfaces.
 
-#![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
-
 use echogrid::geometry::plane::Point;
 use echogrid::grid::GridSpec;
 use echogrid::world::{World, true_map};

@@ -1,7 +1,5 @@
 //! Maps of simulated worlds, scored against the truth: what makes sonar hard is there, and costs what it should.
 
-#![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
-
 use echogrid::evaluate::score::{Numbers, Options, Truth, score};
 use echogrid::kernels::cpu::Cpu;
 use echogrid::log::Options as LogOptions;

@@ -1,7 +1,5 @@
 //! The sonar's physics, and the same bytes for the same seed.
 
-#![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; here are their helpers too")]
-
 use echogrid::log::reading::Record;
 use echogrid::world::rig::Noise;
 use echogrid::world::{Rig, Simulation, World, scan, simulate};
