@@ -6,9 +6,9 @@
 override NARROW_BEAMS: bool = true;
 
 struct Row {
-    // Freed by the reading.
+    // Cells in the interior, which the reading frees.
     interior: vec4<bool>,
-    // On its arc.
+    // Cells on the reading's arc.
     arc: vec4<bool>,
     // Squared distance from the sensor, units².
     d2: vec4<f32>,
@@ -26,7 +26,7 @@ fn dot_4(a: vec2<i32>, x: vec4<i32>, y: i32) -> vec4<i32> {
     return a.x * x + a.y * y;
 }
 
-// Between a cone's edges, or in a narrow beam's band.
+// Whether cells lie between a cone's edges, or in a narrow beam's band.
 fn between_edges(cone: Cone, x: vec4<i32>, y: i32, across: vec4<i32>, along: vec4<i32>) -> vec4<bool> {
     let left_limit = -i32((cone.flags & HALF_OPEN) != 0u);
     let zero = vec4<i32>(0);
@@ -42,7 +42,7 @@ fn between_edges(cone: Cone, x: vec4<i32>, y: i32, across: vec4<i32>, along: vec
     return wedge | band;
 }
 
-// Classifies the four cells whose first centre lies at v from the sensor.
+// Classifies four cells, the first with its centre at v from the sensor, units.
 fn narrow_row(cone: Cone, v: vec2<i32>) -> Row {
     let inner = cone.reach.x * cone.reach.x;
     let outer = cone.reach.y * cone.reach.y;
@@ -60,7 +60,7 @@ fn narrow_row(cone: Cone, v: vec2<i32>) -> Row {
     return row;
 }
 
-// The same without the arc: it lies elsewhere, or is a missing echo's.
+// narrow_row without the arc, which lies elsewhere or belongs to a reading without an echo.
 fn row_before(cone: Cone, v: vec2<i32>) -> Row {
     let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
     let d2 = x * x + v.y * v.y;
@@ -74,7 +74,7 @@ fn row_before(cone: Cone, v: vec2<i32>) -> Row {
     return row;
 }
 
-// The same inside the cone: all are interior.
+// narrow_row for four cells that are all interior.
 fn row_inside(cone: Cone, v: vec2<i32>) -> Row {
     let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
     var row: Row;
@@ -103,14 +103,14 @@ fn narrow_axis_row(cone: Cone, v: vec2<i32>) -> Row {
     var row: Row;
     let before = on & (past < -half);
     let hit = on & (past >= -half) & (past < half);
-    // Without an echo the last cell is empty too.
+    // Without an echo the hit cell is interior too.
     let silent = vec4<bool>((cone.flags & NO_ECHO) != 0u);
     row.interior = before | (hit & silent);
     row.arc = hit & !silent;
     return row;
 }
 
-// Leaves out the columns that lie beyond the grid.
+// Clears the cells in columns that lie beyond the grid.
 fn clip(row: ptr<function, Row>, columns: i32) {
     let within = vec4<i32>(0, 1, 2, 3) < vec4<i32>(columns);
     (*row).interior = (*row).interior & within;

@@ -30,7 +30,7 @@ fn wide_abs(a: vec2<u32>) -> vec2<u32> {
     return select(a, wide_neg(a), wide_negative(a));
 }
 
-// The product of two 32-bit integers, whole.
+// The 64-bit product of two 32-bit integers.
 fn wide_mul(a: i32, b: i32) -> vec2<u32> {
     let p = u32(abs(a));
     let q = u32(abs(b));
@@ -51,7 +51,7 @@ fn wide_dot(a: vec2<i32>, v: vec2<i32>) -> vec2<u32> {
     return wide_add(wide_mul(a.x, v.x), wide_mul(a.y, v.y));
 }
 
-// A magnitude as the CPU converts it.
+// Converts a magnitude to f32 with the same roundings as the CPU.
 fn wide_float(a: vec2<u32>) -> f32 {
     return f32(a.y) * 4294967296.0 + f32(a.x);
 }

@@ -1,4 +1,4 @@
-// The bytes that both backends read; twin of src/geometry/layout.rs.
+// The records and constants that both backends read; twin of src/geometry/layout.rs.
 
 const CELL: i32 = 32;
 const DIRECTION: i32 = 8192;

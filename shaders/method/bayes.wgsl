@@ -2,7 +2,7 @@
 
 const PLANES: u32 = 5u;
 
-// Two constants instead of Murphy's profile: the counts are all its state.
+// Whether two constants replace Murphy's profile. A cell then has no state besides the two counts.
 override CONSTANT: bool = false;
 
 fn member_row(cone: Cone, v: vec2<i32>) -> Row {

@@ -2,9 +2,9 @@
 
 const PLANES: u32 = 4u;
 
-// Below this a complement is counted in units of 2⁻⁵³.
+// The bound below which a complement is counted in units of 2⁻⁵³.
 const NEARLY: f32 = 4.656613e-10;
-// Units in 1.
+// Number of units of 2⁻⁵³ in 1.
 const UNITS: f32 = 9.007199e15;
 
 // The complements of four cells' certainties.
@@ -27,14 +27,14 @@ fn not_emp(profile: vec4<f32>, d: vec4<f32>, turn: vec4<f32>) -> vec4<f32> {
 fn enhanced(rest: vec4<f32>, not_e: vec4<f32>) -> vec4<f32> {
     let product = rest * not_e;
     let nearly = min(rest, product) < vec4<f32>(NEARLY);
-    // Most cells are not.
+    // Most cells are not nearly certain.
     if any(nearly) {
         return select(product, in_units(rest, not_e), nearly);
     }
     return product;
 }
 
-// The same near certainty: the bracket is rounded to the last place of e, the sum to that of E, both half to even.
+// enhanced near certainty: the bracket is rounded to the last place of e, the sum to that of E, both half to even.
 fn in_units(rest: vec4<f32>, not_e: vec4<f32>) -> vec4<f32> {
     let e = 1.0 - not_e;
     let exponent = min(bitcast<vec4<i32>>(e) >> vec4<u32>(23u), vec4<i32>(126));

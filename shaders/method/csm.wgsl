@@ -33,13 +33,13 @@ fn add_float(cell: ptr<function, Cell>, class_: u32, value: f32) {
     (*cell).alpha[class_] = bitcast<u32>(bitcast<f32>((*cell).alpha[class_]) + value);
 }
 
-// A number that tells a beam of a scan from others, label and all.
+// The mark of a scan's beam, a number that tells it, including its label, from others.
 fn mark(scan: u32, id: u32) -> u32 {
     let mixed = ((scan * 0x9e3779b1u) ^ (id & ~(IDLE | YIELD))) * 0x85ebca6bu;
     return (mixed ^ (mixed >> 15u)) * 0xc2b2ae35u;
 }
 
-// What the nearest beam of a scan says of a cell at v from its pose, square = v·v.
+// Updates a cell, at v from the scan's pose, with the scan's nearest beam; square is v·v.
 fn update(scan: u32, beam: Beam, v: vec2<i32>, square: vec2<u32>, cell: ptr<function, Cell>) {
     if (beam.id & IDLE) != 0u {
         return;
@@ -76,7 +76,8 @@ fn discrete(scan: u32, beam: Beam, v: vec2<i32>, square: vec2<u32>, cell: ptr<fu
     }
 }
 
-// What a point of the beam frees that lies `across` 1/1024 µm to the side and `offset` µm along; whether it touches the cell.
+// Adds the evidence of free space from a point of the beam, `across` 1/1024 µm to the side and `offset` µm along. Returns whether it
+// touches the cell.
 fn free(across: u32, offset: i32, cell: ptr<function, Cell>) -> bool {
     let p = f32(across) * (1.0 / f32(FINE));
     let o = f32(offset);

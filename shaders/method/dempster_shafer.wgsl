@@ -2,13 +2,13 @@
 
 const PLANES: u32 = 6u;
 
-// One, in the units of a logarithm that a kernel takes itself.
+// One, in the units of a logarithm that a kernel computes itself.
 const LOG_ONE: f32 = 16777216.0;
 
-// Murphy's masses instead of 1/n and ρ.
+// Whether Murphy's masses replace 1/n and ρ.
 override MURPHY: bool = false;
 
-// −Σ ln(1 − e) and −Σ ln(1 − f) of four cells, low and high words.
+// The sums −Σ ln(1 − e) and −Σ ln(1 − f) of four cells, as low and high words.
 struct CellStates {
     empty: array<vec4<u32>, 2>,
     full: array<vec4<u32>, 2>,
@@ -19,7 +19,7 @@ fn weight(m: vec4<f32>) -> vec4<u32> {
     return vec4<u32>(-log_4(1.0 - m) * LOG_ONE + 0.5);
 }
 
-// 64-bit sum += addend, where on.
+// Adds an addend to a 64-bit sum in the cells where `on` is set.
 fn add(sum: ptr<function, array<vec4<u32>, 2>>, addend_low: vec4<u32>, addend_high: vec4<u32>, on: vec4<bool>) {
     let zero = vec4<u32>(0u);
     let low = (*sum)[0] + select(zero, addend_low, on);

@@ -1,19 +1,20 @@
-// Feature-based occupancy grid (IJCAI 2007): what an update says of a cell, weighted; twin of src/method/features.rs.
+// Feature-based occupancy grid (IJCAI 2007): the weighted evidence of an update; twin of src/method/features.rs.
 
 const PLANES: u32 = 6u;
 
-// Bit of a cell's code: the first part occupies it; the other part's, the routine part's, two places on each.
+// Bit of a cell's code: the first part occupies the cell. The bits of the second part and of the routine part follow, two
+// positions higher each.
 const OCCUPIED: u32 = 1u;
-// The same: the first part frees it.
+// Bit of a cell's code: the first part frees the cell. The other sources' bits follow as for OCCUPIED.
 const FREED: u32 = 2u;
 
-// A number that tells an update's code of a cell from others.
+// The mark of an update's code for a cell, a number that tells it from other codes and updates.
 fn mark(number: u32, code: vec4<u32>) -> vec4<u32> {
     let mixed = (code ^ vec4<u32>(number * 0x9e3779b1u)) * 0x85ebca6bu;
     return (mixed ^ (mixed >> vec4<u32>(15u))) * 0xc2b2ae35u;
 }
 
-// What a source adds to ½: this where it occupies, less where it frees.
+// The term that a source adds to ½: weight where it occupies, −weight where it frees.
 fn lean(weight: vec4<f32>, code: vec4<u32>, source: u32) -> vec4<f32> {
     let none = vec4<f32>(0.0);
     let occupied = (code & vec4<u32>(OCCUPIED << (2u * source))) != vec4<u32>(0u);
@@ -25,9 +26,9 @@ fn member_row(cone: Cone, v: vec2<i32>) -> Row {
     return cone_row(cone, v);
 }
 
-// The update of four cells.
+// Updates four cells.
 fn fuse_cells(cone: Cone, weights: vec4<f32>, row: Row, code: vec4<u32>, cells: ptr<function, CellStates>) {
-    // From ½ on: software adapters add a constant first, wherever it stands.
+    // The sum starts from ½, because software adapters add a constant first, wherever it is written.
     var sum = vec4<f32>(0.5);
     if any(row.interior | row.arc) {
         let at = polar(cone, row);

@@ -2,7 +2,7 @@
 
 const PLANES: u32 = 3u;
 
-// Counts are in 1/65536.
+// A count of one, in units of 1/65536.
 const ONE: u32 = 65536u;
 const HIT: u32 = 196608u;
 const MOST: u32 = 983040u;

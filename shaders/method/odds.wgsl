@@ -1,6 +1,6 @@
 // Log odds as a pair of products, and Murphy's likelihoods (2000, expressions 11.1 and 11.2); twin of src/method/odds.rs.
 
-// P(s|·) is kept between a floor and this: certainty would leave no way back.
+// The largest P(s|·). A likelihood of 1 would be a certainty that no later reading could change.
 const MOST: f32 = 0.98;
 
 // The bits of a number's fraction.

@@ -2,7 +2,7 @@
 
 const PLANES: u32 = 2u;
 
-// The two counts that every method keeps are all its state.
+// A cell has no state besides the two counts that every method keeps.
 struct CellStates {
     none: u32,
 }

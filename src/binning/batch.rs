@@ -1,7 +1,8 @@
 //! Bins readings into tiles, in log order; `shaders/binning/list/tiles.wgsl` makes the same lists on a GPU.
 //!
-//! A batch is any number of readings. Each tile has a list of the cones that may touch it, with one flag where the arc may touch it and
-//! one where the tile is interior throughout. A list may hold a cone too many, never one too few: the kernels decide each cell exactly.
+//! A batch is any number of readings. Each tile has a list of the cones that may touch it. One flag says that the arc may touch
+//! the tile, another that all of the tile is interior. A list may hold a cone that does not touch the tile, but it never lacks one
+//! that does: the kernels decide each cell exactly.
 
 mod cone_tile_bounds;
 mod input;
@@ -21,35 +22,35 @@ use shape::{Extremes, Shape};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Readings that a batch holds by default: enough to fill any machine, few enough to bin in little memory.
+/// Default number of readings in a batch: enough to fill any machine, few enough to bin in little memory.
 pub const BATCH: usize = 65_536;
 
-/// (Cone, tile) pairs that a batch may come to: they are what its memory goes into.
+/// The largest number of (cone, tile) pairs in a batch. The pairs take most of a batch's memory.
 pub const PAIRS: usize = 1 << 22;
 
-/// How readings are binned.
+/// The parameters by which readings are binned.
 #[derive(Debug, Clone, Copy)]
 pub struct Binning {
     /// Columns and rows of the grid.
     pub size: [usize; 2],
-    /// The cells that a reading concerns.
+    /// The cells that a reading may update.
     pub footprint: Footprint,
-    /// Whether a missing echo's arc is looked at (Dempster-Shafer counts its cells).
+    /// Whether the arc of a reading without an echo is included (Dempster-Shafer counts its cells).
     pub no_echo_arcs: bool,
-    /// Bin into this chunk (column, row) alone.
+    /// The only chunk to bin into; `None`: all chunks.
     pub only: Option<ChunkId>,
 }
 
-/// For [`Binning::of`], of cones that are snapped.
+/// The snapping function for [`Binning::of`] when the items are cones that are already snapped.
 pub(crate) fn snapped(cone: &Cone) -> Option<Cone> {
     Some(*cone)
 }
 
-/// A cone in a tile: the tile's slot in its chunk, and the entry.
+/// A (cone, tile) pair: the tile's slot in its chunk, and the entry.
 pub(crate) type Pair = (u16, Entry);
 
-/// What a run of readings reaches: each chunk's pairs in log order, by row and column; and where each reading's parts begin in
-/// the run.
+/// The pairs of a run of consecutive readings: each chunk's in log order, with the index in the run at which each reading's
+/// parts begin.
 #[derive(Default)]
 struct Run {
     chunks: BTreeMap<ChunkId, Vec<Pair>>,
@@ -58,8 +59,8 @@ struct Run {
 }
 
 impl Binning {
-    /// Snaps items and bins their cones, or only sorts them by chunk where the backend `bins_tiles` itself. Items without a cone are left
-    /// out. `None`: they come to more than [`PAIRS`], and there are several.
+    /// Snaps items and bins their cones; where the backend `bins_tiles` itself, the cones are only sorted by chunk. Items without a
+    /// cone are left out. Returns `None` if several items together have more than [`PAIRS`] pairs.
     pub fn of<T: Sync>(
         &self,
         items: &[T],
@@ -73,19 +74,19 @@ impl Binning {
                 Err(cones) => self.of(&cones, snapped, false),
             };
         }
-        // Each snapped reading, and how many tiles it reaches at most.
+        // Each snapped reading, with the largest number of tiles that it may reach.
         let snap = |item| snap(item).map(|cone| (self.at_most(&cone), cone));
         let cones: Vec<_> = items.par_iter().with_min_len(256).map(snap).collect();
         let pairs = cones.iter().flatten().map(|s| s.0).sum();
         fits(pairs).then(|| self.bin(cones.into_iter().flatten().map(|s| s.1).collect()))
     }
 
-    /// Tiles along x and y.
+    /// Number of tiles of the grid along x and y.
     fn tiles(&self) -> [i64; 2] {
         self.size.map(|s| s.div_ceil(TILE) as i64)
     }
 
-    /// Tiles that a cone reaches at most: those of its box.
+    /// The largest number of tiles that a cone may reach: those of its box.
     pub fn at_most(&self, cone: &Cone) -> usize {
         let shape = Shape::of(cone, self.footprint);
         let [rows, columns] = self.spans(cone, &shape).map(|s| (s.end - s.start).max(0) as usize);
@@ -103,12 +104,12 @@ impl Binning {
         })
     }
 
-    /// Bins snapped readings.
+    /// Bins snapped readings, which are given in log order.
     pub fn bin(&self, mut cones: Vec<Cone>) -> Batch {
         for (k, cone) in cones.iter_mut().enumerate() {
             cone.index = k as u32;
         }
-        // Runs of readings, each on its own; what follows keeps them in order, so the split leaves no trace.
+        // Runs of readings are binned independently and joined in order, so the result does not depend on the split.
         let run = cones.len().div_ceil(4 * rayon::current_num_threads()).max(64);
         let runs: Vec<Run> = cones.par_chunks(run).map(|cones| self.run(cones)).collect();
         let mut first_part = Vec::with_capacity(cones.len() + 1);
@@ -126,7 +127,7 @@ impl Binning {
         Batch { chunks, input: Input::Cones(ConeInput { cones, first_part }) }
     }
 
-    /// What some readings reach.
+    /// Bins a run of readings.
     fn run(&self, cones: &[Cone]) -> Run {
         dispatch!(Level::new(), simd => self.run_on(simd, cones))
     }
@@ -141,15 +142,15 @@ impl Binning {
         run
     }
 
-    /// Adds a pair for every tile that the cone may touch, chunk by chunk and in each tile row by tile row, so that a
-    /// sum over its arc is the same whether chunks are resident together or done one after the other. The run has so many
-    /// `readings`.
+    /// Adds a pair for every tile that the cone may touch, chunk by chunk and in each chunk tile row by tile row. The sum over the
+    /// cone's arc is therefore the same whether chunks are resident together or processed one after the other. `readings` is
+    /// the number of readings in the run.
     #[inline(always)]
     fn reach<S: Simd>(&self, simd: S, cone: &Cone, readings: usize, run: &mut Run) {
         let arcs = cone.flags & NO_ECHO == 0 || self.no_echo_arcs;
         let shape = Shape::of(cone, self.footprint);
         for place in self.chunks_of_shape(cone, &shape) {
-            // Room in the first chunk for a sonar's cones of a usual size, so that its list rarely has to move.
+            // The first chunk's list has room for a sonar's cones of a usual size, so that it is rarely reallocated.
             let first = run.chunks.is_empty();
             let room = || if first { Vec::with_capacity(16 * readings) } else { Vec::new() };
             let pairs = run.chunks.entry(place).or_insert_with(room);
@@ -164,7 +165,7 @@ impl Binning {
             let edge = (TILE as i64) * i64::from(CELL);
             let count = (columns.end - columns.start).max(0) as usize;
             let at = edge * columns.start - i64::from(cone.sensor[0]);
-            // A cone of a usual size lies in 16 columns.
+            // A cone of a usual size lies in at most 16 columns of tiles.
             if cone.flags & WIDE != 0 || count > TILES {
                 self.tiles_in(cone, &shape, place, &mut push);
                 continue;
@@ -184,23 +185,24 @@ impl Binning {
         }
     }
 
-    /// Whether all of a tile lies in the grid.
+    /// Whether the whole tile lies in the grid.
     fn whole(&self, tile: [i64; 2]) -> bool {
         [0, 1].iter().all(|&k| (tile[k] + 1) as usize * TILE <= self.size[k])
     }
 
-    /// Shows each tile that the cone may touch, by column and row: whether its arc may, and whether all of it is interior.
+    /// Calls `show` for each tile that the cone may touch, with the tile's column and row, whether the arc may touch it, and
+    /// whether all of it is interior.
     pub(crate) fn tiles_of(&self, cone: &Cone, show: &mut impl FnMut([i64; 2], (bool, bool))) {
         let shape = Shape::of(cone, self.footprint);
         self.chunks_of_shape(cone, &shape).for_each(|place| self.tiles_in(cone, &shape, place, show));
     }
 
-    /// The same in one chunk.
+    /// [`Self::tiles_of`] for the tiles of one chunk.
     fn tiles_in(&self, cone: &Cone, shape: &Shape, place: ChunkId, show: &mut impl FnMut([i64; 2], (bool, bool))) {
         let [rows, columns] = self.within(self.spans(cone, shape), place);
         let edge = (TILE as i64) * i64::from(CELL);
         let extremes = |k: usize, tile: i64| shape.extremes(k, edge * tile - i64::from(cone.sensor[k]));
-        // A chunk has at most so many columns of tiles.
+        // A chunk has at most `CHUNK` columns of tiles.
         let mut across = [Extremes::default(); CHUNK];
         columns.clone().zip(&mut across).for_each(|(i, column)| *column = extremes(0, i));
         for j in rows {
@@ -212,7 +214,7 @@ impl Binning {
         }
     }
 
-    /// The chunks of a cone's box, by column and row, row by row.
+    /// The chunks that a cone's box meets, row by row.
     pub fn chunks_of(&self, cone: &Cone) -> Vec<ChunkId> {
         self.chunks_of_shape(cone, &Shape::of(cone, self.footprint)).collect()
     }
@@ -227,7 +229,7 @@ impl Binning {
             .filter(move |place| only.is_none_or(|only| only == *place))
     }
 
-    /// The part of tile rows and tile columns in a chunk.
+    /// The part of some tile rows and tile columns that lies in a chunk.
     fn within(&self, [rows, columns]: [Range<i64>; 2], ChunkId { row, column }: ChunkId) -> [Range<i64>; 2] {
         let cut = |span: Range<i64>, chunk: u32| {
             let first = i64::from(chunk) * CHUNK as i64;
@@ -236,7 +238,7 @@ impl Binning {
         [cut(rows, row), cut(columns, column)]
     }
 
-    /// Whether the cone has a cell in its interior, and one on its arc, within the grid.
+    /// Whether the cone has a cell of the grid in its interior, and whether it has one on its arc.
     pub fn regions(&self, cone: &Cone) -> (bool, bool) {
         let hit = cone.flags & NO_ECHO == 0;
         let mut any = (false, false);
@@ -257,8 +259,8 @@ impl Binning {
     }
 }
 
-/// A chunk's lists from its pairs, run by run with the number of parts before each: sorted by counting, which keeps the log's
-/// order within a tile.
+/// Makes a chunk's lists from its pairs, given run by run with the number of parts before each run. A counting sort keeps the
+/// log order within a tile.
 pub(crate) fn list(place: ChunkId, runs: &[(&[Pair], u32)]) -> ChunkList {
     let pairs = || runs.iter().flat_map(|(pairs, before)| pairs.iter().map(move |pair| (pair, before)));
     let mut ends = [0u32; CHUNK * CHUNK];

@@ -1,5 +1,4 @@
-//! Which tile gets which input: readings snapped to cones, scans to beams, updates to shapes, and the lists of each tile, in
-//! log order.
+//! Snaps readings to cones, scans to beams and updates to shapes, and lists for each tile the inputs that may touch it, in log order.
 
 pub mod batch;
 pub mod scan;

@@ -1,7 +1,7 @@
-//! From a reading to its snapped cone: poses, radii and directions in integers, rotated on the host in f64.
+//! Snaps a reading to its cone: position, radii and directions in integers, rotated on the host in f64.
 //!
-//! One unit is 1/32 of a cell, a direction is the unit vector times 8192, all rounded half up: from here on membership is
-//! exact.
+//! One unit is 1/32 of a cell, and a direction is the unit vector times 8192. All are rounded half up. From here on,
+//! membership is exact.
 
 use crate::geometry::cone::{Wide, on_axis_wide};
 use crate::geometry::layout::{BROAD, CELL, Cone, DIRECTION, HALF_OPEN, NARROW_BEAM, NO_ECHO, WIDE};
@@ -9,39 +9,39 @@ use crate::grid::GridSpec;
 use crate::log::reading::{Outcome, Reading};
 use crate::sensor::Sensor;
 
-/// Which cells a reading concerns.
+/// The shape of the cells that a reading may update.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Footprint {
-    /// The cone (a narrow one at least a cell wide): interior and arc.
+    /// The interior and arc of the cone; a narrow cone is at least a cell wide.
     Cone,
-    /// The cone between given edges, half open, its arc 1½ cells deep: a cell belongs to one beam of a scan.
+    /// The half-open cone between given edges, with an arc 1½ cells deep, so that a cell belongs to one beam of a scan.
     Wedge,
     /// The cells on the axis up to the hit.
     Axis,
 }
 
-/// A reading's numbers after snapping, metres.
+/// The range and the arc's half depth of a reading after snapping, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Snapped {
-    /// R.
+    /// The range R, metres.
     pub range: f64,
-    /// ε.
+    /// The arc's half depth ε, metres.
     pub epsilon: f64,
 }
 
 /// The left and right edges of a wedge, radians in the world frame.
 pub type Edges = (f64, f64);
 
-/// Reach beyond which 64 bits decide, units: 1024 cells.
+/// Reach beyond which membership is decided in 64 bits, units: 1024 cells.
 const NARROW: i64 = 1024 * CELL as i64;
-/// Half a beam's width, radians, up to which the angle comes from its tangent: 22.5°.
+/// The largest β, radians, for which the off-axis angle is computed from its tangent: 22.5°.
 const BROADEST: f64 = std::f64::consts::FRAC_PI_8;
-/// A reach beyond this many units is refused by [`snap`].
+/// The largest reach that [`snap`] accepts, units.
 const FARTHEST: i64 = 1 << 28;
-/// What a footprint may exceed its reach and its edges by, units.
+/// By how much a footprint may exceed its reach and its edges, units.
 pub(crate) const SLACK: i64 = 2 * CELL as i64;
 
-/// ⌊v + ½⌋, within what no grid reaches; `f64::floor` is a call into the mathematical library on processors of the oldest kind.
+/// ⌊v + ½⌋, clamped to limits that no grid reaches. It avoids `f64::floor`, which is a library call on the oldest processors.
 pub(crate) fn round(v: f64) -> i64 {
     let v = (v + 0.5).clamp(-1e15, 1e15);
     let near = v as i64;
@@ -56,7 +56,7 @@ fn length([x, y]: [i32; 2]) -> f64 {
     f64::from(x * x + y * y).sqrt()
 }
 
-/// A point of the world frame, metres, in units from the grid's lower left corner.
+/// Converts a point of the world frame, metres, to units from the grid's lower left corner.
 pub(crate) fn place(grid: &GridSpec, (x, y): (f64, f64)) -> [i64; 2] {
     let units = |v: f64| 32.0 * v / grid.resolution;
     [
@@ -65,7 +65,7 @@ pub(crate) fn place(grid: &GridSpec, (x, y): (f64, f64)) -> [i64; 2] {
     ]
 }
 
-/// Snaps a reading to the grid. `None`: its reach does not meet the grid.
+/// Snaps a reading to the grid. Returns `None` if its reach does not meet the grid or exceeds the limit.
 pub fn snap(
     grid: &GridSpec,
     sensor: &Sensor,
@@ -119,8 +119,8 @@ pub fn snap(
     Some((cone, Snapped { range: metres(range), epsilon: metres(depth) }))
 }
 
-/// The region of one cell of the grid: (interior, arc), on the host; a missing echo's arc counts as one, but for its last
-/// cell on the axis, which is free.
+/// Whether one cell of the grid is in the interior, and whether it is on the arc, decided on the host. The arc of a reading
+/// without an echo counts as arc, except for [`Footprint::Axis`], where the last cell is interior.
 pub fn region(cone: &Cone, footprint: Footprint, column: i64, row: i64) -> (bool, bool) {
     let v = [
         (i64::from(CELL) * column + 16 - i64::from(cone.sensor[0])) as i32,

@@ -1,21 +1,21 @@
-//! The wedges of a laser scan: the nearest beam of each bearing, for the laser truth.
+//! The wedges of a laser scan, for the laser truth: a beam's wedge holds the bearings to which the beam is nearest.
 //!
-//! A beam's wedge runs to the bisectors with its neighbours, and .51 of the beam spacing out where there is none. Two
-//! neighbours' common edge is one number, so their snapped edges coincide and a cell belongs to one beam.
+//! A beam's wedge ends at the bisectors with its neighbours, or 0.51 beam spacings from the beam where it has no neighbour. The
+//! common edge of two neighbours is computed as one number, so their snapped edges coincide and a cell belongs to one beam.
 
 use crate::binning::snap::Edges;
 use crate::log::reading::Record;
 use crate::sensor::Sensor;
 
-/// A neighbour farther than this many beam spacings is none.
+/// The largest distance between neighbouring beams, in beam spacings.
 const GAP: f64 = 1.02;
-/// How far a beam reaches where it has no neighbour, in beam spacings.
+/// Distance from a beam to its wedge's edge where it has no neighbour, in beam spacings.
 const ALONE: f64 = 0.51;
 
-/// The (left, right) edges of each record of one scan, radians in the world frame, in the records' order. Records whose
-/// reading is not used bound the wedges of their neighbours all the same.
+/// The (left, right) edges of each record of one scan, radians in the world frame, in the records' order. A record whose
+/// reading is not used still bounds the wedges of its neighbours.
 pub fn edges(scan: &[Record], sensors: &[Sensor]) -> Vec<Edges> {
-    // Bearings relative to the robot, one sensor after the other, from right to left.
+    // Bearings are relative to the robot. The records are sorted by sensor, then by bearing from right to left.
     let bearing = |k: usize| {
         (scan[k].pose.heading - scan[k].robot.heading + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
     };
@@ -28,7 +28,7 @@ pub fn edges(scan: &[Record], sensors: &[Sensor]) -> Vec<Edges> {
         let edge = |other: Option<&usize>, side: f64| {
             let near = other.filter(|&&o| scan[o].sensor == scan[k].sensor).map(|&o| (bearing(o) - bearing(k)) * side);
             match near {
-                // From the beam on the right, whichever of the two asks, so that both find the same number.
+                // The edge is always computed from the right beam of the two, so that both beams get the same number.
                 Some(gap) if gap <= GAP * spacing => {
                     let (right, left) = if side > 0.0 { (k, other) } else { (other.copied().unwrap_or(k), Some(&k)) };
                     let gap = left.map_or(0.0, |&l| bearing(l) - bearing(right));
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn neighbours_share_an_edge_and_ends_reach_out() {
-        // Out of order on purpose; a gap between .1 and .3.
+        // The bearings are out of order on purpose, with a gap between 0.1 and 0.3.
         let (scan, sensors) = fan(&[0.1, -0.1, 0.0, 0.3]);
         let edges = edges(&scan, &sensors);
         let near = |a: f64, b: f64| assert!((a - 3.0 - b).abs() < 1e-12, "{a} {b}");

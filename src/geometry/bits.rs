@@ -1,8 +1,8 @@
-//! The ones of a word of 16 bits: a row's cells, or a tile's rows.
+//! An iterator over the set bits of a 16-bit word, which stand for a row's cells or a tile's rows.
 
 use super::layout::TILE;
 
-/// The places of the ones in a word of 16 bits.
+/// The positions of the set bits of a 16-bit word, in ascending order.
 pub(crate) struct Bits(pub(crate) u32);
 
 impl Iterator for Bits {

@@ -12,7 +12,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16};
 use wide::{wide_axis_cells, wide_row};
 
-/// The columns' distances from the first one.
+/// Distance of each column of a tile from the first one, units.
 pub(crate) const STEPS: [i32; TILE] = {
     let (mut steps, mut k) = ([0; TILE], 0);
     while k < TILE {
@@ -22,12 +22,12 @@ pub(crate) const STEPS: [i32; TILE] = {
     steps
 };
 
-/// 16 cells of a row: each one's region, and its vector v from the sensor.
+/// The 16 cells of a row: the region of each, and numbers of its vector v from the sensor.
 #[derive(Debug, Clone, Copy)]
 pub struct Row<S: Simd> {
-    /// Freed by the reading.
+    /// Cells in the interior, which the reading frees.
     pub interior: mask32x16<S>,
-    /// On its arc.
+    /// Cells on the reading's arc.
     pub arc: mask32x16<S>,
     /// Squared distance from the sensor, units².
     pub d2: f32x16<S>,
@@ -37,7 +37,7 @@ pub struct Row<S: Simd> {
     pub along: f32x16<S>,
 }
 
-/// A number of each cell of a tile that is a sum of its column's part and its row's: a product with v, or d².
+/// A number of each cell of a tile that is the sum of a part for its column and a part for its row: a product with v, or d².
 #[derive(Clone, Copy)]
 struct Split<S: Simd> {
     columns: i32x16<S>,
@@ -56,7 +56,7 @@ impl<S: Simd> Split<S> {
     }
 }
 
-/// A tile as a cone sees it: the cone's products with its cells, so that a row costs a sum each.
+/// The cone's edge functions over a tile: products with v, kept as sums, so that a row costs one addition for each.
 #[derive(Clone, Copy)]
 pub struct EdgeFunctions<S: Simd> {
     simd: S,
@@ -74,7 +74,8 @@ pub struct EdgeFunctions<S: Simd> {
 }
 
 impl<S: Simd> EdgeFunctions<S> {
-    /// A tile's cells from the sensor; `v` is the first one's centre. Without `arcs` the cone ends where its arc begins.
+    /// The edge functions over a tile whose first cell's centre is at `v`, units from the sensor. Without `arcs` the cone ends
+    /// where its arc begins.
     #[inline(always)]
     pub fn of(simd: S, cone: &Cone, v: [i32; 2], arcs: bool) -> Self {
         let steps = i32x16::load_array(simd, STEPS);
@@ -95,10 +96,10 @@ impl<S: Simd> EdgeFunctions<S> {
         }
     }
 
-    /// Which rows the cone may touch, a bit each, from their ends alone.
+    /// A bit mask of the rows that the cone may touch, decided from the ends of the rows alone.
     ///
-    /// The edges and the circles are convex: a row has members only if an end lies inside each edge and its nearest point
-    /// within reach.
+    /// The edges and the circles are convex. A row therefore has members only if an end of it lies inside each edge and its
+    /// nearest point lies within reach.
     #[inline(always)]
     pub fn rows(&self, cone: &Cone, axis_only: bool) -> u32 {
         if cone.flags & WIDE != 0 {
@@ -108,7 +109,7 @@ impl<S: Simd> EdgeFunctions<S> {
         let width = CELL * (TILE as i32 - 1);
         let (x0, x1) = (self.v[0], self.v[0] + width);
         let near = 0.clamp(x0, x1);
-        // The least and the largest of a row's values lie at its ends: each row's part, and that of an end.
+        // The least and the largest value of a row lie at its ends. Each is the row's part plus the part of an end's column.
         let rows = |split: &Split<S>| i32x16::load_array(simd, split.rows);
         let least = |step: i32| step * x0 + (step * width).min(0);
         let most = |step: i32| step * x0 + (step * width).max(0);
@@ -125,7 +126,7 @@ impl<S: Simd> EdgeFunctions<S> {
         (if axis_only { strip } else { strip | wedge }).to_bitmask() as u32
     }
 
-    /// Classifies row `y`; without `ARCS` only its interior.
+    /// Classifies the cells of row `y`; without `ARCS` only the interior is found.
     #[inline(always)]
     pub fn cone_row<const ARCS: bool>(&self, cone: &Cone, y: usize) -> Row<S> {
         let (d2, across, along) = (self.d2.row(y), self.across.row(y), self.along.row(y));
@@ -142,7 +143,7 @@ impl<S: Simd> EdgeFunctions<S> {
         Row { interior, arc: inside & d2.simd_ge(self.inner) & d2.simd_le(self.outer), ..self.numbers(y) }
     }
 
-    /// The same in 64 bits, for a cone that reaches far.
+    /// [`Self::cone_row`] in 64 bits, for a cone that reaches farther than 1024 cells.
     #[inline(always)]
     pub fn wide_row(&self, cone: &Cone, y: usize) -> Row<S> {
         let mut row = wide_row(self.simd, cone, [self.v[0], self.v[1] + CELL * y as i32]);
@@ -150,13 +151,13 @@ impl<S: Simd> EdgeFunctions<S> {
         row
     }
 
-    /// A row that is interior throughout: no test.
+    /// A row whose cells are all interior, without a test.
     #[inline(always)]
     pub fn inside_row(&self, y: usize) -> Row<S> {
         Row { interior: mask32x16::splat(self.simd, true), ..self.numbers(y) }
     }
 
-    /// A row's numbers, without members.
+    /// The numbers of row `y`, with no cell in the interior or on the arc.
     #[inline(always)]
     fn numbers(&self, y: usize) -> Row<S> {
         let none = mask32x16::splat(self.simd, false);
@@ -169,7 +170,7 @@ impl<S: Simd> EdgeFunctions<S> {
         }
     }
 
-    /// The cone's axis in the tile.
+    /// The cone's acoustic axis in the tile.
     #[inline(always)]
     pub fn axis(&self, cone: &Cone) -> Axis<S> {
         let [x, y] = cone.axis;
@@ -198,7 +199,7 @@ impl<S: Simd> EdgeFunctions<S> {
         self.axis_regions(axis.silent, y, [on & past.simd_lt(-half), on & past.simd_ge(-half) & past.simd_lt(half)])
     }
 
-    /// The same in 64 bits.
+    /// [`Self::axis_row`] in 64 bits.
     #[inline(always)]
     pub fn wide_axis_row(&self, cone: &Cone, y: usize) -> Row<S> {
         let [before, hit] = wide_axis_cells(cone, [self.v[0], self.v[1] + CELL * y as i32]);
@@ -206,7 +207,7 @@ impl<S: Simd> EdgeFunctions<S> {
         self.axis_regions(cone.flags & NO_ECHO != 0, y, regions)
     }
 
-    /// Without an echo the last cell is empty too.
+    /// Builds the row of an axis; without an echo the last cell is empty too.
     #[inline(always)]
     fn axis_regions(&self, silent: bool, y: usize, [before, hit]: [mask32x16<S>; 2]) -> Row<S> {
         let silent = mask32x16::splat(self.simd, silent);
@@ -214,14 +215,14 @@ impl<S: Simd> EdgeFunctions<S> {
     }
 }
 
-/// An acoustic axis in a tile (SPEC 4): c is its larger component, a the cells' place on the same world axis.
+/// An acoustic axis in a tile (SPEC 4). c is the axis' larger component, and a is a cell's coordinate on the same world axis.
 #[derive(Clone, Copy)]
 pub struct Axis<S: Simd> {
-    /// a·sgn(c).
+    /// a·sgn(c) of each cell.
     lead: Split<S>,
-    /// What cross(axis, v) is multiplied by to give the place beside the axis.
+    /// Factor, ±1, that turns cross(axis, v) into (b·c − a·s)·sgn(c).
     side: i32,
-    /// Half a cell beside it.
+    /// Limit of (b·c − a·s)·sgn(c) at half a cell beside the axis: half a cell times |c|.
     edge: i32,
     /// R·|c|.
     hit: i32,

@@ -1,7 +1,7 @@
 //! Plane geometry on nalgebra's types: lines, segments, reflections and wedges. World frame, metres.
 //!
-//! Maps and simulated logs are held bit for bit, so functions keep one order of operations. Where nalgebra has a similar
-//! function of another order, the comment says so.
+//! Tests compare maps and simulated logs bit for bit, so each function keeps one order of operations. A comment says where
+//! a similar function of nalgebra has another order.
 
 use nalgebra::{Point2, Vector2};
 
@@ -12,7 +12,7 @@ pub type Vector = Vector2<f64>;
 
 /// The unit vector of a direction; the zero vector for the zero vector.
 ///
-/// One division and two products: `Vector2::normalize` divides each component, which rounds otherwise.
+/// It takes one division and two products. `Vector2::normalize` divides each component, which rounds differently.
 pub fn unit(v: Vector) -> Vector {
     v * (1.0 / v.norm().max(f64::MIN_POSITIVE))
 }
@@ -24,7 +24,7 @@ pub fn left_normal(v: Vector) -> Vector {
 
 /// The point at parameter `t` of the segment from `a` (0) to `b` (1).
 ///
-/// `Point2::lerp` computes a·(1 − t) + b·t, which rounds otherwise.
+/// `Point2::lerp` computes a·(1 − t) + b·t, which rounds differently.
 pub fn lerp(a: Point, b: Point, t: f64) -> Point {
     a + (b - a) * t
 }
@@ -70,13 +70,13 @@ pub fn distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
     nalgebra::distance(&p, &lerp(a, b, nearest_parameter(p, a, b)))
 }
 
-/// A wedge of less than 180°: what is visible from `apex` between two directions.
+/// A wedge of less than 180°: the region visible from `apex` between two directions.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wedge {
     pub apex: Point,
-    /// Along the right edge.
+    /// Direction of the right edge.
     pub right: Vector,
-    /// Along the left edge.
+    /// Direction of the left edge.
     pub left: Vector,
 }
 

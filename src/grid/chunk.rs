@@ -4,13 +4,14 @@ use super::GridSpec;
 use crate::geometry::layout::{CHUNK, TILE};
 use serde::{Deserialize, Serialize};
 
-/// Which chunk of a grid, counted in chunks from its lower left cell. Ordered row by row. In JSON it is `[row, column]`.
+/// A chunk of a grid, identified by its row and column from the grid's lower left corner. Chunks are ordered row by row.
+/// In JSON it is `[row, column]`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(from = "[u32; 2]", into = "[u32; 2]")]
 pub struct ChunkId {
-    /// From the bottom.
+    /// Row of chunks, from the bottom.
     pub row: u32,
-    /// From the left.
+    /// Column of chunks, from the left.
     pub column: u32,
 }
 
@@ -27,7 +28,7 @@ impl From<ChunkId> for [u32; 2] {
 }
 
 impl ChunkId {
-    /// The column and row of its first cell in the grid.
+    /// Column and row in the grid of the chunk's first cell.
     pub fn first_cell(self) -> [usize; 2] {
         [self.column as usize * EDGE, self.row as usize * EDGE]
     }
@@ -36,7 +37,7 @@ impl ChunkId {
 /// Cells along a chunk's edge.
 pub const EDGE: usize = CHUNK * TILE;
 
-/// A chunk's part of a grid.
+/// The part of a grid that lies in a chunk.
 pub fn part(grid: &GridSpec, chunk: ChunkId) -> GridSpec {
     let [across, up] = chunk.first_cell();
     GridSpec {
@@ -48,7 +49,7 @@ pub fn part(grid: &GridSpec, chunk: ChunkId) -> GridSpec {
     }
 }
 
-/// Every chunk of a grid, row by row.
+/// All chunks of a grid, row by row.
 pub fn chunks(grid: &GridSpec) -> impl Iterator<Item = ChunkId> {
     let (columns, rows) = (grid.width.div_ceil(EDGE) as u32, grid.height.div_ceil(EDGE) as u32);
     (0..rows).flat_map(move |row| (0..columns).map(move |column| ChunkId { row, column }))

@@ -1,8 +1,8 @@
-//! What a finished map holds: named layers over one grid.
+//! A finished map: named layers over one grid.
 
 use super::GridSpec;
 
-/// A cell's class, by its method's decision rule.
+/// The class of a cell by its method's decision rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i8)]
 pub enum Class {
@@ -14,7 +14,7 @@ pub enum Class {
     Occupied = 1,
 }
 
-/// A layer's values, row by row from the bottom, `width · height` of them.
+/// The `width · height` values of a layer, row by row from the bottom.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Data {
     /// Evidence, probabilities, log odds.
@@ -38,7 +38,7 @@ impl Data {
         }
     }
 
-    /// Whether there is no value.
+    /// Whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -54,10 +54,10 @@ impl Data {
     }
 }
 
-/// How a layer is coloured, on a fixed scale that doesn't depend on its values.
+/// The colour scale of a layer. It is fixed and does not depend on the layer's values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scale {
-    /// White at `low` to black at `high`.
+    /// From white at `low` to black at `high`.
     Grey {
         /// Value shown white.
         low: f64,
@@ -69,14 +69,14 @@ pub enum Scale {
         /// Magnitude of the strongest colour.
         limit: f64,
     },
-    /// Dark violet at `low` over green to yellow at `high` (the colours of viridis).
+    /// From dark violet at `low` through green to yellow at `high` (the colours of viridis).
     Heat {
         /// Value shown darkest.
         low: f64,
         /// Value shown brightest.
         high: f64,
     },
-    /// Whole numbers: 0 grey, 1, 2, … each its own colour.
+    /// Whole numbers: 0 is grey; 1, 2, … have a colour each.
     Classes(Palette),
 }
 
@@ -88,10 +88,10 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// Class labels at most.
+    /// The largest number of class labels.
     pub const MOST: usize = 32;
 
-    /// Of these colours, "free" last; `None` where there are none, or more than [`Palette::MOST`] before the last.
+    /// A palette of these colours, "free" last. `None` if there are no class labels, or more than [`Palette::MOST`].
     pub fn of(colours: &[[u8; 3]]) -> Option<Palette> {
         let classes = colours.len().checked_sub(1).filter(|n| (1..=Palette::MOST).contains(n))?;
         let mut all = [[0; 3]; Palette::MOST + 1];
@@ -99,19 +99,19 @@ impl Palette {
         Some(Palette { colours: all, classes: classes as u8 })
     }
 
-    /// One class, black, and white for "free".
+    /// A palette of one class, which is black, and white for "free".
     pub fn plain() -> Palette {
         let mut colours = [[0; 3]; Palette::MOST + 1];
         colours[1] = [255; 3];
         Palette { colours, classes: 1 }
     }
 
-    /// How many class labels there are, "free" left out.
+    /// Number of class labels, without "free".
     pub fn classes(&self) -> usize {
         usize::from(self.classes)
     }
 
-    /// Red, green and blue of labels 1, 2, …, "free" last.
+    /// Red, green and blue of labels 1, 2, … and, last, of "free".
     pub fn colours(&self) -> &[[u8; 3]] {
         &self.colours[..=self.classes()]
     }
@@ -123,25 +123,25 @@ impl std::fmt::Debug for Palette {
     }
 }
 
-/// One named layer.
+/// A named layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
-    /// Its name in files and reports.
+    /// Name of the layer in files and reports.
     pub name: String,
-    /// One line: what it is, in which unit.
+    /// Description in one line, with the unit.
     pub about: &'static str,
     /// The values.
     pub data: Data,
     /// The value of a cell that no reading reached.
     pub fill: f64,
-    /// Its colours.
+    /// Colour scale.
     pub scale: Scale,
 }
 
 /// A finished map: layers over one grid. Every map has `touched` (0/1) and `class` (−1, 0, 1).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// Where the cells are.
+    /// The grid of the cells.
     pub grid: GridSpec,
     /// The method's name.
     pub method: String,
@@ -149,12 +149,12 @@ pub struct Map {
     pub layers: Vec<Layer>,
     /// Cell updates: (reading, cell) pairs with the cell inside the cone.
     pub updates: u64,
-    /// What all cells' α gained, where the method counts it: labels, "free" last. Else empty.
+    /// The total increment of α over all cells, one number for each label, "free" last. Empty if the method has no α.
     pub increments: Vec<f64>,
 }
 
 impl Map {
-    /// The layer of that name.
+    /// The layer with this name; `None` if there is none.
     pub fn layer(&self, name: &str) -> Option<&Layer> {
         self.layers.iter().find(|l| l.name == name)
     }

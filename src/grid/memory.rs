@@ -1,14 +1,15 @@
-//! Memory that a map needs, checked before it is taken.
+//! Checks the memory that a map needs before it is allocated.
 
 use super::GridSpec;
 use crate::support::memory::{available, format_size};
 use crate::{Error, Result};
 
 impl GridSpec {
-    /// Fails where a map on this grid needs more memory than the cap, bytes, or than the machine has free; `remedy` says what to do.
+    /// Checks that a map on this grid, which needs `needed` bytes, fits the cap, bytes, and the machine's free memory.
+    /// `remedy` tells the user what to do.
     ///
     /// # Errors
-    /// [`Error::Resources`].
+    /// [`Error::Resources`] if it does not fit.
     pub fn check_memory(&self, needed: u64, cap: Option<u64>, remedy: &str) -> Result<()> {
         let limit = match (cap, available()) {
             (Some(cap), _) if needed > cap => format!("`memory` allows {}", format_size(cap)),

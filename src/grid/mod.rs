@@ -1,4 +1,4 @@
-//! The grid: which cells there are ([`GridSpec`]) and what a finished map holds ([`Map`], its [`Layer`]s).
+//! The grid ([`GridSpec`]), its chunks ([`ChunkId`]), and the finished map ([`Map`]) with its layers ([`Layer`]).
 
 mod chunk;
 mod layer;

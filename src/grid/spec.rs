@@ -1,4 +1,4 @@
-//! Where the cells are.
+//! The rectangle of cells that a map covers.
 
 use crate::{Error, Result};
 
@@ -8,20 +8,20 @@ use crate::{Error, Result};
 pub struct GridSpec {
     /// The point that snapping is relative to, metres: (0, 0), or the lower left corner of given bounds.
     pub anchor: (f64, f64),
-    /// Edge of a cell, metres.
+    /// Length of a cell's edge, metres.
     pub resolution: f64,
-    /// Column 0's index from the anchor.
+    /// Index of column 0, counted from the anchor.
     pub i0: i64,
-    /// Row 0's index from the anchor.
+    /// Index of row 0, counted from the anchor.
     pub j0: i64,
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
 }
 
 impl GridSpec {
-    /// The grid of given bounds (x0, y0, x1, y1), metres: anchored at (x0, y0).
+    /// The grid of given bounds (x0, y0, x1, y1), metres. It is anchored at (x0, y0).
     pub fn from_bounds(bounds: [f64; 4], resolution: f64) -> Result<Self> {
         check_resolution(resolution)?;
         let [x0, y0, x1, y1] = bounds;
@@ -35,8 +35,8 @@ impl GridSpec {
         spec.check_size()
     }
 
-    /// The default grid around a box (x0, y0, x1, y1), metres: outward to whole multiples of the resolution, anchored
-    /// at the world's origin.
+    /// The default grid around a box (x0, y0, x1, y1), metres. Its bounds are rounded outward to multiples of the resolution,
+    /// and it is anchored at the world's origin.
     pub fn around(covered: [f64; 4], resolution: f64) -> Result<Self> {
         check_resolution(resolution)?;
         let low = |v: f64| (v / resolution).floor() as i64;
@@ -47,7 +47,7 @@ impl GridSpec {
         GridSpec { anchor: (0.0, 0.0), resolution, i0, j0, width, height }.check_size()
     }
 
-    /// The smallest grid that holds this one and another of the same anchor and resolution.
+    /// The smallest grid that contains this one and another of the same anchor and resolution.
     pub fn union(&self, other: &GridSpec) -> GridSpec {
         let (i0, j0) = (self.i0.min(other.i0), self.j0.min(other.j0));
         let end = |first: i64, size: usize| first + size as i64;
@@ -77,7 +77,7 @@ impl GridSpec {
         (at(self.anchor.0, self.i0, column), at(self.anchor.1, self.j0, row))
     }
 
-    /// Units of 1/32 cell must fit 32-bit integers with room for a reading's reach.
+    /// Checks that coordinates in units of 1/32 cell fit 32-bit integers, with room for a reading's reach.
     fn check_size(self) -> Result<Self> {
         const LIMIT: i64 = 1 << 24;
         let far = self.i0.abs().max(self.j0.abs());

@@ -1,8 +1,8 @@
 //! Bayesian occupancy grid (Elfes 1989; likelihoods of Murphy 2000, expressions 11.1 to 11.6); twin of
 //! `shaders/method/bayes.wgsl`.
 //!
-//! A cell keeps a pair of products (`odds`). The constant model, for lasers, needs nothing but the two counts that every method
-//! keeps: exact, whatever the order.
+//! A cell keeps a pair of products (`odds`). The constant model, for lasers, needs only the two counts that every method keeps,
+//! which are exact in any order.
 
 use super::settings::{Bayes, Likelihood, Settings};
 use super::{Completed, Cost, Entry, Evidence, LayerSpec, LogFacts, Method, Pass, Step, odds};
@@ -17,7 +17,7 @@ use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 use odds::CellStates;
 
-/// The registry's line.
+/// The registry entry.
 pub const ENTRY: Entry = Entry {
     name: "bayes",
     source: "Elfes 1989; Murphy 2000",
@@ -89,8 +89,8 @@ impl Method for Bayes {
         Settings::Bayes(*self)
     }
 
-    /// The likelihoods that fit the sensors, unless the user chose: a sonar's profile thins out towards its range and its edge,
-    /// which would cost a laser a part of its walls.
+    /// Chooses the likelihoods that fit the sensors, unless the user did. A sonar's profile decreases towards its range and its edge;
+    /// with it a laser would lose a part of its walls.
     fn complete(&self, log: &LogFacts) -> Result<Completed> {
         let lasers = log.sensors.iter().all(|s| s.kind == Kind::Laser);
         let fitting = if lasers { Likelihood::Constant } else { Likelihood::Murphy };

@@ -1,7 +1,7 @@
 //! Certainty grid (Moravec & Elfes 1985); twin of `shaders/method/certainty.wgsl`.
 //!
-//! Emptiness never depends on occupancy. So for a whole batch each reading's Σ Occ_k follows from a pass over emptiness
-//! alone (weigh), and a second pass (fuse), knowing the sums, updates both: two passes with the sequential meaning.
+//! Emptiness never depends on occupancy. For a whole batch, each reading's Σ Occ_k therefore follows from a pass over
+//! emptiness alone (weigh). A second pass (fuse) uses the sums and updates both. The result is that of sequential updates.
 //!
 //! A cell keeps the complements 1 − Emp and 1 − Occ, which are products: 1 − (E + e − E·e) = (1 − E)(1 − e). So 1 − Emp
 //! keeps its relative precision where Emp is nearly 1, and cancelling there means something in f32. Very near 1 both follow
@@ -19,7 +19,7 @@ use crate::sensor::Sensor;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, u32x16};
 
-/// The registry's line.
+/// The registry entry.
 pub const ENTRY: Entry = Entry {
     name: "certainty",
     source: "Moravec & Elfes 1985",
@@ -33,9 +33,9 @@ pub const ENTRY: Entry = Entry {
     },
 };
 
-/// Below this a complement is counted in units of 2⁻⁵³.
+/// The bound below which a complement is counted in units of 2⁻⁵³.
 const NEARLY: f32 = 4.656_613e-10;
-/// Units in 1.
+/// Number of units of 2⁻⁵³ in 1.
 const UNITS: f32 = 9.007_199e15;
 
 /// The complements of a row's certainties.
@@ -62,11 +62,11 @@ fn not_emp<S: Simd>(profile: [f32; 4], d: f32x16<S>, turn: f32x16<S>) -> f32x16<
 fn enhanced<S: Simd>(rest: f32x16<S>, not_e: f32x16<S>) -> f32x16<S> {
     let product = rest * not_e;
     let nearly = rest.min(product).simd_lt(NEARLY);
-    // Most rows have no such cell.
+    // Most rows have no cell that is nearly certain.
     if nearly.any_true() { nearly.select(in_units(rest, not_e), product) } else { product }
 }
 
-/// The same near certainty: the bracket is rounded to the last place of e, the sum to that of E, both half to even.
+/// [`enhanced`] near certainty: the bracket is rounded to the last place of e, the sum to that of E, both half to even.
 #[inline(always)]
 fn in_units<S: Simd>(rest: f32x16<S>, not_e: f32x16<S>) -> f32x16<S> {
     let e = f32x16::splat(rest.token(), 1.0) - not_e;
@@ -93,7 +93,7 @@ const fn layer(name: &'static str, about: &'static str, scale: Scale) -> LayerSp
     LayerSpec { name, about, fill: 0.0, scale, integer: false }
 }
 
-/// The layers.
+/// The layers of the method.
 const LAYERS: &[LayerSpec] = &[
     layer("emp", "certainty of empty, 0 to 1", GREY),
     layer("occ", "certainty of occupied, 0 to 1", GREY),

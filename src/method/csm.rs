@@ -15,7 +15,7 @@ use super::settings::{Csm, FreeRule};
 use crate::geometry::layout::{Beam, Frame, IDLE, TILE, UNIT, YIELD};
 use crate::method::driver::Plane;
 
-/// Plane of the marks, after the two counts.
+/// Index of the plane of marks, counted after the two counts.
 const MARKS: usize = 0;
 /// k(d)/σ0 = s⁵ Σ K[n] s²ⁿ with s = 1 − d/l, of Melkumyan & Ramos 2009: in s the kernel is odd and starts with s⁵, so that no
 /// digits cancel where it ends. To 32 units of rounding.
@@ -44,28 +44,28 @@ pub fn kernel(frame: &Frame, d: f32) -> f32 {
     sigma0 * ((y * y * s) * sum)
 }
 
-/// A row of a tile's cells as one scan sees it.
+/// A row of a tile's cells relative to one scan's pose.
 pub struct Row {
-    /// From the pose, µm; whole numbers.
+    /// The x coordinate of each cell centre from the pose, µm; whole numbers.
     pub x: [f64; TILE],
-    /// The same upwards.
+    /// The y coordinate of the row's cell centres from the pose, µm; a whole number.
     pub y: f64,
-    /// x² + y².
+    /// The squared distance of each cell from the pose, x² + y², µm².
     pub squares: [f64; TILE],
     /// 1 where the cell takes the beam, else 0.
     pub taken: [u32; TILE],
-    /// The row in the tile.
+    /// Index of the row in the tile.
     pub line: usize,
 }
 
-/// A number that tells a beam of a scan from others, label and all.
+/// The mark of a scan's beam, a number that tells it, including its label, from others.
 #[inline(always)]
 pub fn mark(scan: u32, id: u32) -> u32 {
     let mixed = (scan.wrapping_mul(0x9e37_79b1) ^ (id & !(IDLE | YIELD))).wrapping_mul(0x85eb_ca6b);
     (mixed ^ mixed >> 15).wrapping_mul(0xc2b2_ae35)
 }
 
-/// What a beam of a scan says of the cells that take it; `planes` are the tile's.
+/// Updates the cells that take a beam of a scan; `planes` are the tile's.
 #[inline(always)]
 pub fn update(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes: &mut [Plane]) {
     if beam.id & IDLE != 0 {
@@ -78,7 +78,7 @@ pub fn update(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, plane
     }
 }
 
-/// Two vectors in f64. Without closures: they would be compiled without the processor's vectors.
+/// Computes two vectors in f64. It uses no closures, because they would be compiled without the processor's vectors.
 #[inline(always)]
 fn floats([[a, b], [c, d]]: [[i32; 2]; 2]) -> [[f64; 2]; 2] {
     [[f64::from(a), f64::from(b)], [f64::from(c), f64::from(d)]]
@@ -93,7 +93,7 @@ fn add(planes: &mut [Plane], plane: usize, line: usize, values: &[u32; TILE]) {
     }
 }
 
-/// The same of f32; a 0 leaves the bits as they are.
+/// Adds f32 numbers to each cell of a row of a plane; adding 0 leaves the bits as they are.
 #[inline(always)]
 fn add_float(planes: &mut [Plane], plane: usize, line: usize, values: &[f32; TILE]) {
     let words = &mut planes[plane][line];
@@ -136,21 +136,21 @@ fn discrete(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, planes:
     add_marks(planes, line, mark(scan, beam.id), &hits);
 }
 
-/// Units of a distance across a beam in a µm.
+/// Units of a distance across a beam per µm.
 const FINE: f64 = 1024.0;
 
-/// Where a beam's cells lie from it.
+/// The position of a row's cells relative to a beam.
 struct Sides {
-    /// Across it, 1/1024 µm, whole; [`FAR`] where the beam frees nothing.
+    /// Distance across the beam, in whole units of 1/1024 µm; [`FAR`] where the beam frees nothing.
     across: [f64; TILE],
-    /// Along it, µm, whole.
+    /// Distance along the beam, whole µm.
     along: [f64; TILE],
 }
 
-/// Farther across than any kernel reaches.
+/// A distance across the beam that no kernel reaches.
 const FAR: f64 = 1e15;
 
-/// Adds what points of the beam free, `offset` µm along it from each cell; notes the cells that they touch.
+/// Adds the evidence of free space from points of the beam, `offset` µm along it from each cell, and notes the cells touched.
 #[inline(always)]
 fn free(
     frame: &Frame,
@@ -175,7 +175,7 @@ fn free(
     add(planes, 0, line, &near);
 }
 
-/// Whether the kernel at this offset, µm, is more than 1e-6: within its reach.
+/// Whether the kernel at this offset, µm, is more than 1e-6, so that the cell is within its reach.
 #[inline(always)]
 fn touches(x: f64, y: f64, reach: f64) -> bool {
     x * x + y * y < reach * reach
@@ -224,7 +224,7 @@ fn continuous(csm: &Csm, frame: &Frame, scan: u32, beam: &Beam, row: &Row, plane
     add_marks(planes, line, mark(scan, beam.id), &touched);
 }
 
-/// What samples of the beam free, from the sensor to the hit.
+/// Adds the evidence of free space from samples of the beam, from the sensor to the hit.
 #[inline(always)]
 fn samples(
     frame: &Frame,
@@ -234,7 +234,7 @@ fn samples(
     line: usize,
     touched: &mut [u32; TILE],
 ) {
-    // Those that are near one of the cells.
+    // Only samples near one of the cells are visited.
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for k in 0..TILE {
         if sides.across[k] < FAR {

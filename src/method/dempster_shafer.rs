@@ -1,7 +1,8 @@
 //! Dempster-Shafer evidential grid (Pagac, Nebot & Durrant-Whyte 1998); twin of `shaders/method/dempster_shafer.wgsl`.
 //!
-//! Each reading's evidence is for empty or for full, never both, so Dempster's rule needs only two sums a cell,
-//! −Σ ln(1 − e) and −Σ ln(1 − f). They are kept in 64-bit fixed point: exact, free of order, the same on every backend.
+//! A reading's evidence is for empty or for full, never both, so Dempster's rule needs only two sums for each cell,
+//! −Σ ln(1 − e) and −Σ ln(1 − f). They are kept in 64-bit fixed point, so they are exact, independent of the order, and the
+//! same on every backend.
 
 use super::settings::{DempsterShafer, MassModel, Rho, Settings};
 use super::{Cost, Entry, Evidence, LayerSpec, Method, Pass, Rounds, Step, Steps};
@@ -15,7 +16,7 @@ use crate::sensor::Sensor;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
-/// The registry's line.
+/// The registry entry.
 pub const ENTRY: Entry = Entry {
     name: "dempster-shafer",
     source: "Pagac, Nebot & Durrant-Whyte 1998",
@@ -29,14 +30,14 @@ pub const ENTRY: Entry = Entry {
     },
 };
 
-/// The sums' unit.
+/// The unit of the sums.
 const UNIT: f64 = 1.0 / (1u64 << 40) as f64;
-/// One, in the units of a logarithm that a kernel takes itself.
+/// One, in the units of a logarithm that a kernel computes itself.
 const LOG_ONE: f32 = 16_777_216.0;
-/// Masses nearer than this are a tie: unknown.
+/// The difference below which two masses are a tie, so that the class is unknown.
 const TIE: f64 = 1e-6;
 
-/// A row's sums: −Σ ln(1 − e) and −Σ ln(1 − f), low and high words.
+/// The sums of a row, −Σ ln(1 − e) and −Σ ln(1 − f), as low and high words.
 #[derive(Debug, Clone, Copy)]
 pub struct CellStates<S: Simd> {
     empty: [u32x16<S>; 2],
@@ -50,7 +51,7 @@ fn weight<S: Simd>(m: f32x16<S>) -> u32x16<S> {
     (-log(one - m) * LOG_ONE + 0.5).to_int()
 }
 
-/// 64-bit sum += addend, where `on`.
+/// Adds an addend to a 64-bit sum in the cells where `on` is set.
 #[inline(always)]
 fn add<S: Simd>(sum: &mut [u32x16<S>; 2], addend: [u32x16<S>; 2], on: mask32x16<S>) {
     let low = sum[0] + addend[0];
@@ -63,7 +64,7 @@ const fn layer(name: &'static str, about: &'static str, fill: f32, high: f64) ->
     LayerSpec { name, about, fill, scale: Scale::Grey { low: 0.0, high }, integer: false }
 }
 
-/// The layers.
+/// The layers of the method.
 const LAYERS: &[LayerSpec] = &[
     layer("empty", "mass of empty", 0.0, 1.0),
     layer("full", "mass of full", 0.0, 1.0),
@@ -161,7 +162,7 @@ impl Method for DempsterShafer {
     }
 
     fn share(&self, count: u32, outcome: Outcome) -> [u32; 4] {
-        // No arc cell: no 1/n, so that evidence is left out.
+        // Without arc cells 1/n is undefined, so its evidence is left out.
         let one_over_n = if count == 0 { 0.0 } else { 1.0 / f64::from(count) };
         let rho = match self.rho {
             Rho::OneOverN => one_over_n,
@@ -182,7 +183,7 @@ impl Method for DempsterShafer {
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class {
         let sum = |low: u32, high: u32| -((u64::from(high) << 32 | u64::from(low)) as f64) * UNIT;
         let (le, lf) = (sum(words[2], words[3]), sum(words[4], words[5]));
-        // A = e^LE and B = e^LF, both over e^most, so that neither quotient is 0/0.
+        // A = e^LE and B = e^LF are both divided by e^most, so that neither quotient is 0/0.
         let most = le.max(lf);
         let (a, b) = ((le - most).exp(), (lf - most).exp());
         let both = a * b * most.exp();

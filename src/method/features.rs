@@ -1,7 +1,7 @@
-//! Feature-based occupancy grid (IJCAI 2007): what an update says of a cell, weighted; twin of `shaders/method/features.wgsl`.
+//! Feature-based occupancy grid (IJCAI 2007): the weighted evidence of an update; twin of `shaders/method/features.wgsl`.
 //!
-//! A cell keeps a pair of products, as bayes does, and a sum of marks of what said something of it. P(occupied) is ½ and what
-//! each source adds to it, so that a source that says nothing adds nothing.
+//! A cell keeps a pair of products, as in `bayes`, and a sum of marks of the updates that changed it. P(occupied) is ½ plus a term
+//! for each source; a source without evidence of the cell adds nothing.
 
 use super::odds::{self, CellStates, MOST, likelihood};
 use super::settings::{Features, Settings};
@@ -15,7 +15,7 @@ use crate::sensor::{Kind, Sensor};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
-/// The registry's line.
+/// The registry entry.
 pub const ENTRY: Entry = Entry {
     name: "features",
     source: "IJCAI 2007 (feature-based occupancy grid)",
@@ -25,7 +25,7 @@ pub const ENTRY: Entry = Entry {
         "\n",
         include_str!("../../shaders/method/features.wgsl")
     ),
-    // Of a cell of a routine part's cone; what fans and lines cost depends on how many there are.
+    // The cost of a cell in a routine part's cone. The cost of fans and lines depends on their number.
     cost: Cost { flop: 28, int: 32 },
     vec4s_per_thread: 8,
     make: |settings| match settings {
@@ -34,40 +34,41 @@ pub const ENTRY: Entry = Entry {
     },
 };
 
-/// Plane of the marks, after the two counts.
+/// Index of the plane of marks, counted after the two counts.
 pub const MARKS: usize = 3;
 
-/// Bit of a cell's code: the first part occupies it; the other part's, the routine part's, two places on each.
+/// Bit of a cell's code: the first part occupies the cell. The bits of the second part and of the routine part follow, two
+/// positions higher each.
 pub const OCCUPIED: u32 = 1;
-/// The same: the first part frees it.
+/// Bit of a cell's code: the first part frees the cell. The other sources' bits follow as for [`OCCUPIED`].
 pub const FREED: u32 = 2;
 
-/// What the three sources of an update (its two parts, its routine part) do to a row of cells.
+/// The cells of a row that the three sources of an update (two parts and the routine part) occupy or free.
 #[derive(Debug, Clone, Copy)]
 pub struct Contributions<S: Simd> {
-    /// Each occupies these.
+    /// Cells that each source occupies.
     pub occupied: [mask32x16<S>; 3],
-    /// Each frees these.
+    /// Cells that each source frees.
     pub freed: [mask32x16<S>; 3],
-    /// From the sensor, metres; off-axis angle over β: where the routine part says something.
+    /// Distance from the sensor, metres, and off-axis angle over β, for the cells that the routine part updates.
     pub polar: [f32x16<S>; 2],
 }
 
-/// A number that tells an update's code of a cell from others.
+/// The mark of an update's code for a cell, a number that tells it from other codes and updates.
 #[inline(always)]
 pub fn mark<S: Simd>(number: u32, code: u32x16<S>) -> u32x16<S> {
     let mixed = (code ^ number.wrapping_mul(0x9e37_79b1)) * 0x85eb_ca6b;
     (mixed ^ (mixed >> 15)) * 0xc2b2_ae35
 }
 
-/// What a source adds to ½: this where it occupies, less where it frees.
+/// The term that a source adds to ½: `weight` where it occupies, −`weight` where it frees.
 #[inline(always)]
 fn lean<S: Simd>(weight: f32x16<S>, occupied: mask32x16<S>, freed: mask32x16<S>) -> f32x16<S> {
     let none = f32x16::splat(weight.token(), 0.0);
     occupied.select(weight, freed.select(none - weight, none))
 }
 
-/// The update of a row's cells; `ROUTINE`: the routine part says something of them.
+/// Updates a row's cells. With `ROUTINE` the routine part updates some of them.
 #[inline(always)]
 pub fn fuse_cells<S: Simd, const ROUTINE: bool>(
     simd: S,
@@ -80,7 +81,7 @@ pub fn fuse_cells<S: Simd, const ROUTINE: bool>(
     let Contributions { occupied, freed, polar: [distance, turn] } = *contributions;
     let [first, second, weight, _] = shapes.weights;
     let splat = |x: f32| f32x16::splat(simd, x);
-    // From ½ on: software adapters add a constant first, wherever it stands.
+    // The sum starts from ½, because software adapters add a constant first, wherever it is written.
     let mut sum = splat(0.5);
     if ROUTINE {
         let p = likelihood(frame, murphy(cone.profile[0], distance, turn), occupied[2]);

@@ -1,9 +1,9 @@
 //! Histogrammic in-motion mapping (Borenstein & Koren 1991; Murphy 2000, expression 11.11); twin of
 //! `shaders/method/himm.wgsl`.
 //!
-//! Only the cells on the acoustic axis: +3 at the hit, −1 before it, kept within 0..15. The growth-rate operator (GRO)
-//! reads neighbours, so it can't be a gather: it runs on the CPU, in log order. Counts are in 1/65536, so that GRO's
-//! halves stay exact integers on every machine.
+//! A reading updates only the cells on the acoustic axis: +3 at the hit, −1 before it, kept within 0..15. The growth-rate
+//! operator (GRO) reads neighbours, so it can't be a gather: it runs on the CPU, in log order. Counts are in units of
+//! 1/65536, so that GRO's halves stay exact integers on every machine.
 
 use super::settings::{Himm, Settings};
 use super::{Cost, Entry, Evidence, LayerSpec, Method, Pass, Rounds, Step};
@@ -14,7 +14,7 @@ use crate::method::driver::{Job, Kernel, Plane, Reached, WrongInput, walk};
 use fearless_simd::prelude::*;
 use fearless_simd::u32x16;
 
-/// The registry's line.
+/// The registry entry.
 pub const ENTRY: Entry = Entry {
     name: "himm",
     source: "Borenstein & Koren 1991; Murphy 2000",
@@ -28,14 +28,14 @@ pub const ENTRY: Entry = Entry {
     },
 };
 
-/// A count of one.
+/// A count of one, in units of 1/65536.
 pub const ONE: u32 = 65536;
-/// What a hit adds.
+/// The increment of a hit.
 pub const HIT: u32 = 3 * ONE;
 /// The largest count.
 pub const MOST: u32 = 15 * ONE;
 
-/// The layers.
+/// The layers of the method.
 const LAYERS: &[LayerSpec] = &[LayerSpec {
     name: "count",
     about: "0 to 15; 3 and more is occupied",

@@ -1,4 +1,4 @@
-//! What a method takes of a log: which sensors, in which unit, and how its parameters follow from the log.
+//! The input of a method: which sensors and which kind of items it takes from a log, and how its parameters depend on the log.
 
 use super::settings::Settings;
 use crate::binning::scan::Selection;
@@ -20,7 +20,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// What the items are called in messages.
+    /// Name of the items in messages.
     pub fn name(self) -> &'static str {
         match self {
             Unit::Reading => "readings",
@@ -30,7 +30,7 @@ impl Unit {
     }
 }
 
-/// The input of a method, with what is needed to make it from the records of a log.
+/// The input of a method, with the parameters that make it from the records of a log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Input {
     /// Readings, one by one.
@@ -60,9 +60,9 @@ impl Input {
 /// How far around a beam a method updates cells, beyond its cone.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Spread {
-    /// Metres, in every direction.
+    /// Distance in every direction, metres.
     pub beside: f64,
-    /// Radians off the axis, up to the beam's range.
+    /// Angle off the axis, up to the beam's range, radians.
     pub half_width: f64,
 }
 
@@ -78,7 +78,7 @@ pub struct RequiredSensor {
     pub instead: Option<&'static str>,
 }
 
-/// What a log and a grid say that parameters may depend on.
+/// The facts of a log and a grid that parameters may depend on.
 #[derive(Debug, Clone, Copy)]
 pub struct LogFacts<'a> {
     /// The log's path, for errors.
@@ -89,9 +89,9 @@ pub struct LogFacts<'a> {
     pub class_names: &'a [String],
     /// The file of class labels that the user gave.
     pub class_file: Option<&'a Path>,
-    /// Used hits.
+    /// Number of used hits.
     pub hits: u64,
-    /// Used hits that carry a class label.
+    /// Number of used hits that carry a class label.
     pub labelled: u64,
     /// The grid.
     pub grid: &'a GridSpec,
@@ -106,14 +106,14 @@ pub struct Completed {
     pub classes: Option<Classes>,
 }
 
-/// What a reading's own evidence of a cell is, by a method.
+/// The kind of number that a method takes as a reading's own evidence of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Evidence {
     /// The meaning of the number.
     pub about: &'static str,
-    /// It is a probability, for which ½ is no evidence; else 0 is.
+    /// Whether it is a probability, for which ½ means no evidence; otherwise 0 does.
     pub probability: bool,
-    /// It is cancelled by what is known to be empty, and normalised over the arc, before a cell takes it.
+    /// Whether it is reduced by the known emptiness, and normalised over the arc, before a cell takes it.
     pub normalised: bool,
 }
 

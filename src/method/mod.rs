@@ -1,8 +1,8 @@
 //! The methods: how a cell's state changes with a reading.
 //!
-//! A method is a file here and its twin under `shaders/method/`, tied by a line of [`REGISTRY`]. The file holds the pure
-//! functions and the cell's state; the loops over tiles, readings and rows are the drivers' (`kernels`). A cell's state is
-//! a few 32-bit words, one in each *plane*; the first two planes of every method count its interior and arc updates.
+//! A method is a file here and its twin under `shaders/method/`, connected by an entry of [`REGISTRY`]. The file has the pure
+//! functions and the cell's state; the drivers have the loops over tiles, readings and rows (`kernels`). A cell's state is a
+//! few 32-bit words, one in each *plane*. The first two planes of every method count its interior and arc updates.
 
 pub mod bayes;
 pub mod certainty;
@@ -45,7 +45,7 @@ pub enum Step {
 }
 
 /// The rounds of the out-of-core pipeline over the chunks. In each a chunk's readings are traversed once or more, with these steps
-/// over each of their batches. What the last round leaves is the map.
+/// over each of their batches. The state after the last round is the map.
 pub type Rounds = &'static [&'static [Steps]];
 
 /// Steps over a batch, in order.
@@ -54,13 +54,13 @@ pub type Steps = &'static [Step];
 /// A layer that a method makes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LayerSpec {
-    /// Its name in files and reports.
+    /// Name of the layer in files and reports.
     pub name: &'static str,
-    /// What it is, in which unit.
+    /// Description, with the unit.
     pub about: &'static str,
     /// The value of a cell that no reading reached.
     pub fill: f32,
-    /// Its colours.
+    /// Colour scale.
     pub scale: Scale,
     /// Whether its values are whole numbers, stored as u32.
     pub integer: bool,
@@ -74,15 +74,15 @@ pub trait Method: Send + Sync {
     /// A reading's own evidence of a cell, for explanations.
     fn evidence(&self) -> Evidence;
 
-    /// Planes after the two counts. Every word of a cell is 0 before the first reading.
+    /// Number of planes after the two counts. Every word of a cell is 0 before the first reading.
     fn planes(&self) -> usize;
 
-    /// Its input for cells of `resolution`, metres.
+    /// The method's input for cells of `resolution`, metres.
     fn input(&self, _resolution: f64) -> Input {
         Input::Readings
     }
 
-    /// The kind of its input, which does not depend on the size of the cells.
+    /// The kind of the method's input, which does not depend on the size of the cells.
     fn unit(&self) -> Unit {
         self.input(1.0).unit()
     }
@@ -95,12 +95,12 @@ pub trait Method: Send + Sync {
     /// Narrows a sensor's limits to what the method trusts; limits that the user set stay as they are.
     fn limit_sensor(&self, _sensor: &mut Sensor, _set: &Overrides) {}
 
-    /// How far around a beam it updates cells, beyond the beam's cone.
+    /// How far around a beam the method updates cells, beyond the beam's cone.
     fn spread(&self) -> Spread {
         Spread::default()
     }
 
-    /// Its parameters, completed from a log and a grid.
+    /// The method's parameters, completed from a log and a grid.
     ///
     /// # Errors
     /// [`Error::Usage`] for a grid that the method can't map, [`Error::Input`] for a log that lacks what it needs.
@@ -108,13 +108,13 @@ pub trait Method: Send + Sync {
         Ok(Completed { settings: self.settings(), classes: None })
     }
 
-    /// The plane, counted from the two counts on, that sums marks of what a cell has taken, so that `verify` can tell whether
-    /// two backends took the same; methods whose counts tell have none.
+    /// Index of the plane, counted after the two counts, that sums marks of the beams or updates that a cell took. With it `verify`
+    /// can tell whether two backends took the same. `None` for methods whose counts suffice.
     fn marks(&self) -> Option<usize> {
         None
     }
 
-    /// The method's own lengths in the frame for cells of that size, µm.
+    /// The method's lengths in the frame for cells of that size, µm.
     fn limits(&self, _resolution: f64) -> [i32; 4] {
         [0; 4]
     }
@@ -124,7 +124,7 @@ pub trait Method: Send + Sync {
         String::new()
     }
 
-    /// The cells that a reading concerns.
+    /// The cells that a reading may update.
     fn footprint(&self) -> Footprint {
         Footprint::Cone
     }
@@ -138,7 +138,7 @@ pub trait Method: Send + Sync {
         Some(&[&[&[Step::Pass(Pass::Fuse, layout::COUNT)]]])
     }
 
-    /// The method's own numbers in the frame.
+    /// The method's constants in the frame.
     fn constants(&self) -> [[f32; 4]; 2] {
         [[0.0; 4]; 2]
     }
@@ -148,12 +148,12 @@ pub trait Method: Send + Sync {
         None
     }
 
-    /// The profile's four numbers for one reading.
+    /// The four parameters of the profile for one reading.
     fn profile(&self, _sensor: &Sensor, _snapped: &Snapped) -> [f32; 4] {
         [0.0; 4]
     }
 
-    /// What a reading's count of arc cells gives to each of its cells ([`Step::NormalizeByCount`]).
+    /// The share of a reading, made from its count of arc cells ([`Step::NormalizeByCount`]).
     fn share(&self, _count: u32, _outcome: Outcome) -> [u32; 4] {
         [0; 4]
     }
@@ -166,22 +166,22 @@ pub trait Method: Send + Sync {
         false
     }
 
-    /// Adds what a cell's α have gained, where the method has α, to the map's sums.
+    /// Adds the increments of a cell's α to the map's sums, if the method has α.
     fn gains(&self, _words: &[u32], _sums: &mut Vec<f64>) {}
 
     /// A cell's layers and class from its words, one of each plane, the two counts first.
     fn values(&self, words: &[u32], layers: &mut [f32]) -> Class;
 
-    /// A touched cell's place in the combined picture, −1 surely empty to 1 surely occupied, from its layers.
+    /// The value of a touched cell in the combined picture, from −1 (surely empty) to 1 (surely occupied), from its layers.
     fn combined(&self, layers: &[f32], class: Class) -> f32;
 
-    /// Runs one pass over one tile: the CPU's half.
+    /// Runs one pass over one tile on the CPU.
     ///
     /// # Errors
-    /// [`WrongInput`] where the job's input is not what the method takes.
+    /// [`WrongInput`] if the job's input is not of the kind that the method takes.
     fn run(&self, pass: Pass, job: &Job, state: &mut [u32]) -> std::result::Result<(), WrongInput>;
 
-    /// Why only the CPU can do it with these parameters, if so.
+    /// The reason why only the CPU can run the method with these parameters, if there is one.
     fn cpu_only(&self) -> Option<&'static str> {
         None
     }
@@ -197,26 +197,26 @@ pub struct Cost {
     pub int: u32,
 }
 
-/// A line of the registry: what ties a method's two halves, and what help, README and tests say of it.
+/// An entry of the registry. It connects a method's two halves and has the texts for help, README and tests.
 pub struct Entry {
-    /// Its name on the command line.
+    /// Name of the method on the command line.
     pub name: &'static str,
-    /// Who described it, when.
+    /// Author and year of the method's description.
     pub source: &'static str,
-    /// One line: what a cell holds and how it is decided.
+    /// One line about the state of a cell and how its class is decided.
     pub about: &'static str,
-    /// The WGSL half.
+    /// The WGSL source of the method's GPU half.
     pub wgsl: &'static str,
-    /// What an update costs.
+    /// Operations of an update.
     pub cost: Cost,
     /// Vectors of four cells that a GPU's thread owns on a software adapter, a power of two up to 16: the fastest, measured
     /// (`benches/NOTES.md`). A hardware adapter's thread owns one, which fills the card best.
     pub vec4s_per_thread: u32,
-    /// Makes it from its parameters, which must be this method's.
+    /// Makes the method from its parameters, which must be of this method.
     pub make: fn(Settings) -> Option<Box<dyn Method>>,
 }
 
-/// Every method.
+/// All methods.
 pub const REGISTRY: &[Entry] = &[
     certainty::ENTRY,
     dempster_shafer::ENTRY,
@@ -230,7 +230,7 @@ pub const REGISTRY: &[Entry] = &[
     features::ENTRY,
 ];
 
-/// The registry's line of that name; the error names the nearest.
+/// The registry entry with this name; the error suggests the nearest name.
 pub fn entry(name: &str) -> Result<&'static Entry> {
     REGISTRY.iter().find(|e| e.name == name).ok_or_else(|| {
         let names: Vec<&str> = REGISTRY.iter().map(|e| e.name).collect();
@@ -252,17 +252,17 @@ pub fn nearest(name: &str, known: &[&str]) -> String {
     format!("; {hint}there are {}", known.join(", "))
 }
 
-/// Words a cell of this method has, the two counts among them.
+/// Number of words of a cell, including the two counts.
 pub fn planes(method: &dyn Method) -> usize {
     2 + method.planes()
 }
 
-/// Words a tile of this method has.
+/// Number of words of a tile.
 pub fn tile_words(method: &dyn Method) -> usize {
     planes(method) * layout::TILE_CELLS
 }
 
-/// The registry's line of a method.
+/// The registry entry of a method.
 pub fn entry_of(method: &dyn Method) -> &'static Entry {
     match REGISTRY.iter().find(|e| (e.make)(method.settings()).is_some()) {
         Some(entry) => entry,
@@ -270,7 +270,7 @@ pub fn entry_of(method: &dyn Method) -> &'static Entry {
     }
 }
 
-/// Vectors of four cells that a software adapter's thread owns.
+/// Number of vectors of four cells that a thread owns on a software adapter.
 pub fn vec4s_per_thread(method: &dyn Method) -> usize {
     entry_of(method).vec4s_per_thread as usize
 }
@@ -280,7 +280,7 @@ pub fn name(method: &dyn Method) -> &'static str {
     entry_of(method).name
 }
 
-/// Adds numbers to sums, one by one.
+/// Adds numbers to sums, element by element.
 pub(crate) fn add(numbers: &[f64], sums: &mut Vec<f64>) {
     sums.resize(numbers.len().max(sums.len()), 0.0);
     sums.iter_mut().zip(numbers).for_each(|(sum, n)| *sum += n);

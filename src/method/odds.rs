@@ -1,9 +1,9 @@
 //! Log odds as a pair of products, and Murphy's likelihoods (2000, expressions 11.1 and 11.2); twin of
 //! `shaders/method/odds.wgsl`.
 //!
-//! A cell keeps the pair that Murphy's book keeps, not normalised: the products of the likelihoods given occupied and given empty.
-//! The logarithm of their ratio is the log odds, taken once, on the host: an update is two products. Their exponents go to a
-//! word of their own before they can leave f32's range.
+//! A cell keeps the pair of Murphy's book, not normalised: the products of the likelihoods given occupied and given empty. An
+//! update is two products. The log odds are the logarithm of their ratio, taken once, on the host. The exponents of the products
+//! are moved to a word of their own before they can leave f32's range.
 
 use super::LayerSpec;
 use crate::geometry::layout::Frame;
@@ -13,7 +13,7 @@ use crate::method::driver::Plane;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 
-/// P(s|·) is kept between a floor and this: certainty would leave no way back.
+/// The largest P(s|·). A likelihood of 1 would be a certainty that no later reading could change.
 pub const MOST: f32 = 0.98;
 
 /// The bits of a number's fraction.
@@ -40,7 +40,7 @@ pub fn likelihood<S: Simd>(frame: &Frame, near: f32x16<S>, arc: mask32x16<S>) ->
     (near * part).max(floor).min(MOST)
 }
 
-/// Reads a row of a tile from its planes, those of the two counts left out.
+/// Reads a row of a tile from its planes, without those of the two counts.
 #[inline(always)]
 pub fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> CellStates<S> {
     let (occupied, empty) = (u32x16::load_array(simd, planes[0][row]), u32x16::load_array(simd, planes[1][row]));
@@ -51,7 +51,7 @@ pub fn load<S: Simd>(simd: S, planes: &[Plane], row: usize) -> CellStates<S> {
     }
 }
 
-/// Writes a row of a tile to its planes, those of the two counts left out.
+/// Writes a row of a tile to its planes, without those of the two counts.
 #[inline(always)]
 pub fn store<S: Simd>(cells: CellStates<S>, planes: &mut [Plane], row: usize) {
     to_one(cells.occupied).store_array(&mut planes[0][row]);
@@ -59,7 +59,7 @@ pub fn store<S: Simd>(cells: CellStates<S>, planes: &mut [Plane], row: usize) {
     cells.scale.bitcast::<u32x16<S>>().store_array(&mut planes[2][row]);
 }
 
-/// Brings the cells to their one form, at least once in 16 updates.
+/// Brings the cells to their canonical form; it is called at least once in 16 updates.
 #[inline(always)]
 pub fn renormalize<S: Simd>(cells: &mut CellStates<S>) {
     let (occupied, empty) = (cells.occupied.bitcast::<i32x16<S>>(), cells.empty.bitcast::<i32x16<S>>());
@@ -72,7 +72,7 @@ const fn layer(name: &'static str, about: &'static str, fill: f32, scale: Scale)
     LayerSpec { name, about, fill, scale, integer: false }
 }
 
-/// The layers.
+/// The layers of the log odds.
 pub const LAYERS: &[LayerSpec] = &[
     layer("log_odds", "log odds of occupied", 0.0, Scale::Signed { limit: 6.0 }),
     layer("p_occ", "probability of occupied", 0.5, Scale::Grey { low: 0.0, high: 1.0 }),
@@ -98,7 +98,7 @@ pub fn values(odds: f64, [p_occupied, p_empty]: [f64; 2], layers: &mut [f32]) ->
     }
 }
 
-/// A cell's place in the combined picture, from its layers.
+/// The value of a cell in the combined picture, from its layers.
 pub fn combined(layers: &[f32]) -> f32 {
     layers[1] - layers[2]
 }

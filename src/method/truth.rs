@@ -1,7 +1,7 @@
 //! The laser truth: hits and passes of the nearest beam of each scan; twin of `shaders/method/truth.wgsl`.
 //!
-//! A beam's wedge runs to the bisectors with its neighbours, so a cell takes one beam of a scan. A hit is |d − z| ≤ ¾ cell,
-//! a pass d < z − ¾ cell: the two counts that every method keeps, so a cell has no other state.
+//! A beam's wedge ends at the bisectors with its neighbours, so a cell takes one beam of a scan. A hit is |d − z| ≤ ¾ cell,
+//! a pass is d < z − ¾ cell. They are the two counts that every method keeps, so a cell has no other state.
 
 use super::settings::Settings;
 use super::{Cost, Entry, Evidence, LayerSpec, Method, Pass, RequiredSensor, Step};
@@ -12,7 +12,7 @@ use crate::method::driver::{Job, Kernel, Plane, Reached, WrongInput, walk};
 use crate::sensor::{Kind, Overrides, Sensor};
 use fearless_simd::Simd;
 
-/// The registry's line.
+/// The registry entry.
 pub const ENTRY: Entry = Entry {
     name: "truth",
     source: "echogrid",
@@ -34,7 +34,7 @@ const fn layer(name: &'static str, about: &'static str) -> LayerSpec {
     LayerSpec { name, about, fill: 0.0, scale: Scale::Grey { low: 0.0, high: 20.0 }, integer: true }
 }
 
-/// The layers.
+/// The layers of the method.
 const LAYERS: &[LayerSpec] =
     &[layer("hits", "scans whose nearest beam ends in the cell"), layer("passes", "scans whose nearest beam passes")];
 
@@ -68,7 +68,7 @@ impl Method for Truth {
         Some(RequiredSensor { kind: Kind::Laser, reason: "takes the nearest beam of each laser scan", instead: None })
     }
 
-    /// The laser truth trusts 5 cm to 20 m, and no more than the sensor does.
+    /// The laser truth trusts ranges from 5 cm to 20 m within the sensor's own limits.
     fn limit_sensor(&self, sensor: &mut Sensor, set: &Overrides) {
         if set.r_min.is_none() {
             sensor.r_min = sensor.r_min.max(0.05);

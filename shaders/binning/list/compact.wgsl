@@ -1,10 +1,10 @@
 // Ordered compaction; twin of src/kernels/gpu/tile_binner.rs.
 //
-// Gives each of a workgroup's WORKERS threads that has something to write its index among them.
+// Each thread of a workgroup's WORKERS that has something to write gets its index among those threads.
 
 const WORDS: u32 = WORKERS / 32u;
 
-// A bit for each thread, of this turn, the last one and the next: so a turn takes one barrier.
+// A bit for each thread, kept for the last turn, this turn and the next, so that a turn takes one barrier.
 var<workgroup> bits: array<atomic<u32>, 3u * WORDS>;
 
 // Clears all bits, before the first turn.
@@ -23,7 +23,7 @@ fn rank(lane: u32, turn: u32, has: bool) -> vec2<u32> {
         atomicOr(&bits[here + own], 1u << (lane % 32u));
     }
     workgroupBarrier();
-    // All have read the turn before: its place begins with zeros in the turn after the next.
+    // All threads have read the bits of the previous turn, so they are cleared for the turn after the next.
     if lane < WORDS {
         atomicStore(&bits[WORDS * ((turn + 2u) % 3u) + lane], 0u);
     }

@@ -1,7 +1,7 @@
 // Sorts cones into blocks of tiles by their boxes, in log order; twin of src/binning/batch/cone_tile_bounds.rs.
 //
-// Each segment of a chunk's cones has a list for each block. A workgroup is a block and a segment; it visits WORKERS cones at a time, a
-// thread each.
+// Each segment of a chunk's cones has a list for each block. A workgroup handles one block and one segment. It visits WORKERS
+// cones at a time, one for each thread.
 
 @group(0) @binding(0) var<uniform> params: BinningParams;
 @group(0) @binding(1) var<storage, read> bounds: array<ConeTileBounds>;

@@ -6,12 +6,12 @@ const SLACK: i32 = 64;
 // Flag beside ARC and INSIDE: the cone may touch the tile.
 const SOME: u32 = 4u;
 
-// The least and the largest product of a factor and a number from low to high.
+// The least and the largest product of a factor and a number between low and high.
 fn by(factor: i32, low: i32, high: i32) -> vec2<i32> {
     return select(vec2<i32>(factor * low, factor * high), vec2<i32>(factor * high, factor * low), factor < 0);
 }
 
-// The least and the largest cross(a, v), and below dot(a, v), over a tile.
+// The least and the largest cross(a, v) over a tile; the next function does the same for dot(a, v).
 fn cross_over(a: vec2<i32>, low: vec2<i32>, high: vec2<i32>) -> vec2<i32> {
     return by(-a.y, low.x, high.x) + by(a.x, low.y, high.y);
 }
@@ -24,7 +24,7 @@ fn square(v: vec2<i32>) -> u32 {
     return u32(v.x * v.x) + u32(v.y * v.y);
 }
 
-// The flags SOME, ARC and INSIDE of a cone in the tile with this lower left cell; 0 where they do not meet.
+// The flags SOME, ARC and INSIDE of a cone in the tile with the lower left cell `corner`; 0 if they do not meet.
 fn meets(cone: Cone, corner: vec2<u32>) -> u32 {
     // The centres of the tile's first and last cells.
     let low = CELL * vec2<i32>(corner) + vec2<i32>(CELL / 2) - cone.sensor;

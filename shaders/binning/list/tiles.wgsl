@@ -1,6 +1,6 @@
-// The lists of a chunk's tiles from those of its blocks; twin of src/binning/batch.rs.
+// Makes the lists of a chunk's tiles from those of its blocks; twin of src/binning/batch.rs.
 //
-// Three kernels: the length of each tile's list, where each begins, and the entries, in log order.
+// Three kernels find the length of each tile's list, the index of its first entry, and the entries, in log order.
 
 @group(0) @binding(0) var<uniform> params: BinningParams;
 @group(0) @binding(1) var<storage, read> bounds: array<ConeTileBounds>;
@@ -10,12 +10,12 @@
 @group(0) @binding(5) var<storage, read_write> tiles: array<Tile>;
 @group(0) @binding(6) var<storage, read_write> entries: array<Entry>;
 
-// The block of a tile of the chunk.
+// The index of the block of a tile in the chunk.
 fn block_of(at: vec2<u32>) -> u32 {
     return at.y / BLOCK * BLOCKS + at.x / BLOCK;
 }
 
-// The flags of a cone in a tile of the chunk; 0 where its box or the cone does not meet the tile.
+// The flags of a cone in a tile of the chunk; 0 if the cone or its box does not meet the tile.
 fn flags_of(box: ConeTileBounds, at: vec2<u32>) -> u32 {
     if any(at < box.low) || any(at >= box.high) {
         return 0u;
@@ -34,7 +34,7 @@ fn flags_of(box: ConeTileBounds, at: vec2<u32>) -> u32 {
 
 var<workgroup> listed: atomic<u32>;
 
-// A workgroup is a tile.
+// A workgroup handles one tile.
 @compute @workgroup_size(WORKERS)
 fn measure(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let slot = group.x;
@@ -61,7 +61,7 @@ const TILES_PER_THREAD: u32 = CHUNK * CHUNK / 256u;
 
 var<workgroup> sums: array<u32, 256>;
 
-// One workgroup for all tiles, the same number for each thread.
+// One workgroup handles all tiles, with the same number of tiles for each thread.
 @compute @workgroup_size(256)
 fn place(@builtin(local_invocation_index) lane: u32) {
     var own = 0u;
@@ -86,7 +86,7 @@ fn place(@builtin(local_invocation_index) lane: u32) {
     }
 }
 
-// A workgroup is a tile; it visits WORKERS cones at a time, a thread each.
+// A workgroup handles one tile. It visits WORKERS cones at a time, one for each thread.
 @compute @workgroup_size(WORKERS)
 fn list(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let slot = group.x;

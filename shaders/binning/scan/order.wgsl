@@ -1,6 +1,6 @@
 // The order of directions around a pose; twin of src/binning/scan/order.rs.
 
-// Which quarter of the circle a direction lies in, counter-clockwise from +x; each has its first axis, not its last.
+// The quadrant of a direction, 0 to 3, counter-clockwise from +x. A quadrant includes its first axis, not its last.
 fn quarter(v: vec2<i32>) -> u32 {
     let upper = select(2u, select(1u, 0u, v.x > 0 || (v.x == 0 && v.y == 0)), v.x >= 0 || v.y > 0);
     return select(select(3u, 2u, v.x < 0), upper, v.y >= 0);
@@ -17,7 +17,7 @@ fn before(beam: u32, v: vec2<i32>) -> bool {
     return bound < cell || (bound == cell && later);
 }
 
-// How many of the beams' bounds, from `first` on, come before a cell at v, `low` at least and `high` at most.
+// The number of beams, from `first` on, whose bounds come before a cell at v, found by bisection between `least` and `most`.
 fn place(first: u32, v: vec2<i32>, least: u32, most: u32) -> u32 {
     var low = least;
     var high = most;

@@ -1,12 +1,12 @@
 // The cells that an update reaches: those of its fans and lines, and of its cone; twin of src/binning/update/reach.rs.
 
-// What the three sources of an update do to four cells: a code for each cell, and the routine part's row.
+// The effect of an update's three sources on four cells: a code for each cell, and the routine part's row.
 struct Contributions {
     code: vec4<u32>,
     row: Row,
 }
 
-// Which of four cells, the first one's centre at v, lie in the k-th fan, by the entry's slot.
+// Which of four cells lie in fan k, decided by the entry's slot where possible; v is the first cell's centre.
 fn fan(points: vec2<u32>, k: u32, slot: u32, v: vec2<i32>) -> vec4<bool> {
     if (slot & (FULL << k)) != 0u {
         return vec4<bool>(true);
@@ -32,7 +32,7 @@ fn part(k: u32, lines: vec2<u32>, points: vec2<u32>, slot: u32, v: vec2<i32>) ->
     return source(k, occupied, fan(points, k, slot, v));
 }
 
-// What an update does to four cells.
+// Finds the effect of an update on four cells.
 fn look_at(cone: Cone, update: Shapes, slot: u32, cell: vec2<u32>) -> Contributions {
     let v = CELL * vec2<i32>(cell) + vec2<i32>(CELL / 2) - cone.sensor;
     var contributions: Contributions;

@@ -1,11 +1,11 @@
-// Which cells lie in a fan, and which on lines, in integers; twin of src/binning/update/region.rs.
+// Integer tests of which cells lie in a fan and which on lines; twin of src/binning/update/region.rs.
 //
-// Points and cells count from the sensor. All fits 32 bits: no point lies farther away than 512 cells.
+// Points and cells are relative to the sensor. All products fit 32 bits, because no point lies farther away than 512 cells.
 
-// A point occupies what lies within ¾ cell, units.
+// Radius within which a point occupies cells, units: ¾ cell.
 const SPOT: i32 = 24;
 
-// Four cells of a row, the first one's centre at v.
+// Which of four cells of a row lie in a fan; v is the first cell's centre, units from the sensor.
 fn in_fan(fan: vec2<u32>, v: vec2<i32>) -> vec4<bool> {
     var inside = vec4<bool>(false);
     let x = v.x + CELL * vec4<i32>(0, 1, 2, 3);
@@ -14,7 +14,7 @@ fn in_fan(fan: vec2<u32>, v: vec2<i32>) -> vec4<bool> {
     for (var k = fan.x; k < fan.y; k++) {
         let b = points[k];
         let right = cross_4(b, x, v.y);
-        // The ray to the next triangle is that one's, the last ray the fan's.
+        // The ray between two triangles belongs to the next one; the last ray belongs to the fan.
         let limit = select(-1, 0, k + 1u == fan.y);
         inside = inside | in_triangle(a.x * b.y - a.y * b.x, limit, left, right);
         a = b;
@@ -23,8 +23,8 @@ fn in_fan(fan: vec2<u32>, v: vec2<i32>) -> vec4<bool> {
     return inside;
 }
 
-// The triangle between the sensor and two vertices, counter-clockwise, from its area and what crosses them: cross(a, p),
-// cross(b, p). Nothing where it has no area.
+// Which cells lie in the triangle of the sensor and two vertices a and b, counter-clockwise. left is cross(a, p), right is
+// cross(b, p). A triangle without area holds no cell.
 fn in_triangle(area: i32, limit: i32, left: vec4<i32>, right: vec4<i32>) -> vec4<bool> {
     let zero = vec4<i32>(0);
     let within = (left >= zero) & (right <= vec4<i32>(limit)) & vec4<bool>(area > 0);
@@ -40,7 +40,7 @@ fn on_lines(ends: vec2<u32>, v: vec2<i32>) -> vec4<bool> {
     return on;
 }
 
-// Within half a cell of the line along either axis; of a point within ¾ cell.
+// Which cells lie within half a cell of the line along either axis, or within ¾ cell of it if the line is a point.
 fn on_line(a: vec2<i32>, b: vec2<i32>, v: vec2<i32>) -> vec4<bool> {
     let d = b - a;
     let x = v.x - a.x + CELL * vec4<i32>(0, 1, 2, 3);

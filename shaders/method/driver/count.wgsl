@@ -1,6 +1,6 @@
 // Counts the arc cells of each reading; twin of src/method/driver/walk.rs (count).
 //
-// A kernel of its own, because the update needs the whole count. Integer atomics give the same sum in any order.
+// It is a separate kernel, because the update needs the whole count. Integer atomics give the same sum in any order.
 
 @group(0) @binding(5) var<storage, read_write> parts: array<atomic<u32>>;
 

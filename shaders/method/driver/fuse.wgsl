@@ -1,6 +1,6 @@
 // Updates a tile's cells with its list of readings, in log order; twin of src/method/driver/walk.rs (fuse).
 //
-// A workgroup is a tile; its threads hold their cells' state in registers, so the map is read once and written once a batch.
+// A workgroup handles one tile. Its threads hold their cells' state in registers, so the map is read once and written once a batch.
 // Bounds: groups are the chunk's listed tiles, entries those of the tile's list.
 
 // Applies a reading to four cells.

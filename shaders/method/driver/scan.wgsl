@@ -1,10 +1,10 @@
-// Each cell's nearest poses, of each the nearest beam, in log order; twin of src/method/driver/scan.rs.
+// Updates each cell with the nearest beam of each of its nearest poses, in log order; twin of src/method/driver/scan.rs.
 //
 // A workgroup is a tile, a thread a cell, which holds its state in registers. The list has every pose that may be among the nearest.
 
 const EDGE: u32 = 1024u;
 const TILE_CELLS: u32 = 256u;
-// Larger than any square.
+// A number larger than any squared distance.
 const FAR: vec2<u32> = vec2<u32>(0xffffffffu, 0x7fffffffu);
 
 // The n-th smallest squared distance of a cell from the poses. Of the poses at that distance the first `ties` are among the n nearest.

@@ -1,4 +1,4 @@
-// What the pass over scans binds; twin of src/kernels/bindings.rs.
+// The bindings of the pass over scans; twin of src/kernels/bindings.rs.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<storage, read> scans: array<Scan>;

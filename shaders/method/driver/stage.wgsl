@@ -1,6 +1,6 @@
 // A stage: the next sixteen entries of a tile's list with their cones and shares; twin of src/method/driver/reach.rs (Lookahead).
 
-// Whether a workgroup keeps a stage in workgroup memory: faster on hardware; a software adapter has no such memory.
+// Whether a workgroup keeps a stage in workgroup memory. This is faster on hardware; a software adapter has no such memory.
 override STAGED: bool = false;
 
 const STAGE: u32 = 16u;
@@ -42,7 +42,7 @@ fn cone_at(k: u32, first: u32) -> Cone {
     return cones[entries[k].cone >> ENTRY_SHIFT];
 }
 
-// What the pass before found for that cone.
+// The share of that cone, which the previous pass found.
 fn share_at(k: u32, first: u32, cone: Cone) -> vec4<u32> {
     if STAGED {
         return staged_shares[k - first];

@@ -1,8 +1,8 @@
 // The sum of each reading's parts, added in tile order to the reading's share; twin of src/kernels/cpu/mod.rs (sum). What it binds is
 // twin of src/kernels/bindings.rs.
 //
-// A thread a reading. Where weigh.wgsl writes a part for each vector of four cells, those of a tile are added first: down its four
-// columns of vectors, then across.
+// A thread handles one reading. Where weigh.wgsl writes a part for each vector of four cells, the parts of a tile are added first:
+// down its four columns of vectors, then across.
 
 // Whether a tile's part is one number.
 override STAGED: bool = false;
@@ -10,7 +10,7 @@ override STAGED: bool = false;
 @group(0) @binding(1) var<storage, read> cones: array<Cone>;
 @group(0) @binding(5) var<storage, read_write> parts: array<f32>;
 @group(0) @binding(6) var<storage, read_write> shares: array<vec4<u32>>;
-// Where each reading's parts begin.
+// Index of the first part of each reading's sum.
 @group(0) @binding(7) var<storage, read> first_part: array<u32>;
 
 @compute @workgroup_size(64)

@@ -3,8 +3,8 @@
 // A thread owns 64 / THREADS groups: the host repeats the lines between `each GROUP` and `end` for each. With more groups a thread uses
 // an entry that it has read for more cells; with fewer there are more threads.
 
-// Whether tiles that are interior throughout, and entries without an arc, have code of their own. Not on software adapters, which execute
-// all sides of a branch, nor in 64 bits.
+// Whether tiles that are interior throughout, and entries without an arc, have code of their own. It is false on software adapters,
+// which execute all sides of a branch, and in 64 bits.
 override SPECIALIZE_TILES: bool = false;
 
 // The first cell of a group.
@@ -31,7 +31,7 @@ fn clip_to_grid(row: ptr<function, Row>, cell: vec2<u32>) {
     clip(row, columns);
 }
 
-// The four cells relative to the cone.
+// Classifies the four cells relative to the cone.
 fn look(cone: Cone, cell: vec2<u32>) -> Row {
     var row = look_at_all(cone, cell);
     if (cone.flags & NO_ECHO) != 0u {
@@ -40,14 +40,14 @@ fn look(cone: Cone, cell: vec2<u32>) -> Row {
     return row;
 }
 
-// The same, with the arc even of a reading without an echo.
+// Classifies the four cells, with the arc even for a reading without an echo.
 fn look_at_all(cone: Cone, cell: vec2<u32>) -> Row {
     var row = member_row(cone, from_sensor(cone, cell));
     clip_to_grid(&row, cell);
     return row;
 }
 
-// The four cells of a tile whose entry has no arc.
+// Classifies the four cells of a tile whose entry has no arc.
 fn look_before(cone: Cone, cell: vec2<u32>) -> Row {
     var row = row_before(cone, from_sensor(cone, cell));
     clip_to_grid(&row, cell);

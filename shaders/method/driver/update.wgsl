@@ -1,6 +1,6 @@
-// Updates that features made of readings: a tile's list of them, in log order; twin of src/method/driver/update.rs.
+// Applies a tile's list of the feature stage's updates, in log order; twin of src/method/driver/update.rs.
 //
-// A kernel of its own, because an update has shapes beside its cone. A workgroup is a tile; its threads hold their cells' state in
+// It is a separate kernel, because an update has shapes besides its cone. A workgroup is a tile; its threads hold their cells' state in
 // registers. Bounds: groups are the chunk's listed tiles, entries those of the tile's list, points those of an update's shapes.
 
 @compute @workgroup_size(THREADS)

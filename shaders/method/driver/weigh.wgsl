@@ -1,13 +1,13 @@
-// Each tile's part of each reading's evidence on its arc; twin of src/method/driver/walk.rs (weigh).
+// Sums each tile's part of each reading's evidence on its arc; twin of src/method/driver/walk.rs (weigh).
 //
-// A kernel of its own, because the update needs the whole sum. The evidence of the groups of four cells is added in one fixed order,
+// It is a separate kernel, because the update needs the whole sum. The evidence of the groups of four cells is added in one fixed order,
 // down the tile's four columns of groups, then across: here where a stage is in workgroup memory, else in sum.wgsl, since barriers cost
 // a software adapter more than memory does. sum.wgsl adds the tiles.
 
 @group(0) @binding(5) var<storage, read_write> parts: array<f32>;
 
-// The evidence of the tile's 64 groups for each entry of a stage. Single numbers, since threads that write components of one vector race;
-// a stride of one more, so that entries begin in different banks.
+// The evidence of the tile's 64 groups for each entry of a stage. It is kept as single numbers, since threads that write components
+// of one vector race. The stride is 65, so that entries begin in different banks.
 const STRIDE: u32 = 65u;
 var<workgroup> held: array<f32, STAGE * STRIDE>;
 
@@ -78,7 +78,7 @@ fn weigh(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
                     parts[entry.slot] = part_of_tile((k - first) * STRIDE);
                 }
             }
-            // Before the next stage's evidence overwrites this one's.
+            // All threads wait here before the next stage's evidence overwrites this one's.
             workgroupBarrier();
         }
         first = end;

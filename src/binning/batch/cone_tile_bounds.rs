@@ -1,5 +1,5 @@
-//! For a backend that bins cones into tiles itself: the box of tiles of each cone, chunk by chunk; the GPU goes on with
-//! `shaders/binning/list/cone_tile_bounds.wgsl`.
+//! The box of tiles of each cone, chunk by chunk, for a backend that bins cones into tiles itself. The GPU continues from it
+//! with `shaders/binning/list/cone_tile_bounds.wgsl`.
 
 use super::{Batch, Binning, ChunkList, ConeInput, Input, Shape};
 use crate::geometry::layout::{Cone, ConeTileBounds, NO_ECHO, TILE, WIDE};
@@ -7,7 +7,7 @@ use crate::grid::ChunkId;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// A run of cones, their boxes by row and column of the chunk, and where each cone's parts begin; all indices count from the run's first.
+/// A run of cones, their boxes by chunk, and the index of each cone's first part. All indices count from the run's first.
 #[derive(Default)]
 struct Run {
     cones: Vec<Cone>,
@@ -17,12 +17,12 @@ struct Run {
 }
 
 impl Binning {
-    /// Snaps items and sorts their cones by chunk, in log order, on all threads; the backend finds the tiles. Items without a cone are
-    /// left out. Every tile of a cone's box has a part, chunk by chunk and in each tile row by tile row. The parts of tiles off the arc
-    /// stay 0, which changes no sum.
+    /// Snaps items and sorts their cones by chunk, in log order, on all threads; the backend finds the tiles. Items without a cone
+    /// are left out. Every tile of a cone's box has a part, chunk by chunk and in each chunk tile row by tile row. The parts of tiles
+    /// off the arc stay 0, which changes no sum.
     ///
     /// # Errors
-    /// The cones, where one reaches farther than 1024 cells: backends bin tiles in 32 bits.
+    /// Returns the cones if one reaches farther than 1024 cells, because backends bin tiles in 32 bits.
     pub fn bound_cones<T: Sync>(
         &self,
         items: &[T],
@@ -62,7 +62,7 @@ impl Binning {
         Ok(Batch { chunks: places.into_iter().map(list).collect(), input: Input::Cones(input) })
     }
 
-    /// The bounds of some readings' cones, chunk by chunk.
+    /// The boxes of some readings' cones, chunk by chunk.
     fn cone_bounds_of(&self, cones: impl Iterator<Item = Cone>) -> Run {
         let mut run = Run::default();
         for (index, cone) in (0..).zip(cones) {
@@ -78,7 +78,7 @@ impl Binning {
                 let high = [tile(columns.end, 0), tile(rows.end, 1)];
                 let bounds = ConeTileBounds { cone: index, part: run.parts, low, high };
                 run.chunks.entry(place).or_default().push(bounds);
-                // More than fit are more than a batch may have.
+                // A number of parts that does not fit is larger than a batch may have.
                 run.parts = run.parts.saturating_add(if arcs { (high[0] - low[0]) * (high[1] - low[1]) } else { 0 });
             }
         }

@@ -1,4 +1,4 @@
-//! A batch: what is mapped together, and which tiles of which chunks it reaches.
+//! A batch: items that are mapped together, with the lists of the tiles that they may reach, chunk by chunk.
 
 use crate::geometry::layout::{Beam, Cone, ConeTileBounds, Entry, FAN, LINES, Scan, Shapes, Tile};
 use crate::grid::ChunkId;
@@ -7,28 +7,29 @@ use rayon::prelude::*;
 /// The part of a batch that reaches one chunk.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ChunkList {
-    /// The chunk's column and row.
+    /// The chunk.
     pub place: ChunkId,
-    /// The tiles that the batch reaches, ascending by slot.
+    /// The tiles that the batch may reach, in ascending order of slot.
     pub tiles: Vec<Tile>,
-    /// Their entries, tile by tile, each tile's in log order.
+    /// The entries of all tiles, tile by tile, in log order within a tile.
     pub entries: Vec<Entry>,
-    /// For a backend that bins tiles itself, instead of `tiles` and `entries`: the cones whose boxes meet the chunk, in log order.
+    /// The cones whose boxes meet the chunk, in log order. A backend that bins tiles itself uses these instead of `tiles` and
+    /// `entries`.
     pub cone_bounds: Vec<ConeTileBounds>,
 }
 
 impl ChunkList {
-    /// (Cone, tile) pairs: the entries, or the tiles of all boxes where the backend bins tiles itself.
+    /// Number of (cone, tile) pairs: the entries, or the tiles of all boxes where the backend bins tiles itself.
     pub fn pairs(&self) -> usize {
         let tiles = |b: &ConeTileBounds| ((b.high[0] - b.low[0]) * (b.high[1] - b.low[1])) as usize;
         self.entries.len() + self.cone_bounds.iter().map(tiles).sum::<usize>()
     }
 }
 
-/// Items of one kind, binned.
+/// A batch of items of one kind, binned.
 #[derive(Debug, Clone)]
 pub struct Batch {
-    /// The chunks that the items reach, row by row.
+    /// The lists of the chunks that the items reach, row by row.
     pub chunks: Vec<ChunkList>,
     /// The items.
     pub input: Input,
@@ -41,20 +42,20 @@ pub enum Input {
     Cones(ConeInput),
     /// Scans of one chunk.
     Scans(ScanInput),
-    /// Updates that features made of readings.
+    /// Updates that the feature stage made of readings.
     Updates(UpdateInput),
 }
 
-/// Readings.
+/// The readings of a batch.
 #[derive(Debug, Clone, Default)]
 pub struct ConeInput {
     /// The snapped readings, in log order.
     pub cones: Vec<Cone>,
-    /// Where the parts of each reading's sum begin; one more than there are readings.
+    /// Index of the first part of each reading's sum, with one more element than there are readings.
     pub first_part: Vec<u32>,
 }
 
-/// Scans.
+/// The scans of a batch.
 #[derive(Debug, Clone, Default)]
 pub struct ScanInput {
     /// The scans, in log order.
@@ -65,7 +66,7 @@ pub struct ScanInput {
     pub centres: Vec<i32>,
 }
 
-/// Updates.
+/// The updates of a batch.
 #[derive(Debug, Clone, Default)]
 pub struct UpdateInput {
     /// The cone of each update.
@@ -77,7 +78,7 @@ pub struct UpdateInput {
 }
 
 impl Input {
-    /// What the items are called in messages.
+    /// Name of the items in messages.
     pub fn name(&self) -> &'static str {
         match self {
             Input::Cones(_) => "readings",
@@ -97,7 +98,7 @@ impl Batch {
         }
     }
 
-    /// Where the parts of each reading's sum begin; only readings have sums.
+    /// Index of the first part of each reading's sum; empty for other items, which have no sums.
     pub fn first_part(&self) -> &[u32] {
         match &self.input {
             Input::Cones(input) => &input.first_part,
@@ -105,13 +106,14 @@ impl Batch {
         }
     }
 
-    /// The parts of all sums.
+    /// Total number of parts of all sums.
     pub fn parts(&self) -> usize {
         self.first_part().last().map_or(0, |p| *p as usize)
     }
 
-    /// The most iterations that a GPU's thread spends in its loops over one tile's list: one for each entry, one for each side of a fan
-    /// or line that may meet the tile, and one to leave or skip each of these inner loops, for each of the thread's vectors of four cells.
+    /// The largest number of iterations that a GPU thread spends in its loops over one tile's list. There is one for each entry. For
+    /// each of the thread's vectors of four cells there is one for each side of a fan or line that may meet the tile, and one to leave
+    /// or skip each of these inner loops.
     pub fn max_loop_iterations(&self, vec4s_per_thread: usize) -> usize {
         let shapes: &[Shapes] = match &self.input {
             Input::Updates(input) => &input.shapes,

@@ -1,4 +1,4 @@
-//! [`Shape::meets`] for 16 tiles of a row at once, in 32 bits: for cones that reach 1024 cells at most.
+//! [`Shape::meets`] for 16 tiles of a row at once in 32 bits, for cones that reach 1024 cells at most.
 
 use super::shape::{Extremes, Shape};
 use crate::binning::snap::{Footprint, SLACK};
@@ -6,16 +6,16 @@ use crate::geometry::layout::*;
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x16, mask32x16, u32x16};
 
-/// Tiles that are looked at together.
+/// Number of tiles that are tested together.
 pub(super) const TILES: usize = 16;
 
-/// From a tile to the next.
+/// Distance from a tile to the next, units.
 const EDGE: i32 = CELL * TILE as i32;
 
-/// The least and the largest of a product over each tile, the columns' part.
+/// The columns' part of the least and the largest value of a product over each tile.
 type Range<S> = [i32x16<S>; 2];
 
-/// What [`Extremes`] is, of 16 columns of tiles.
+/// The [`Extremes`] of 16 columns of tiles.
 pub(super) struct Columns<S: Simd> {
     left: Range<S>,
     right: Range<S>,
@@ -25,7 +25,7 @@ pub(super) struct Columns<S: Simd> {
     far2: u32x16<S>,
 }
 
-/// The tiles of a row that a cone may touch, a bit each; of these those that its arc may, and those that are all interior.
+/// Bit masks of a row's tiles: those that a cone may touch, those that its arc may touch, and those that are all interior.
 pub(super) struct Met {
     pub(super) some: u32,
     pub(super) arc: u32,
@@ -39,7 +39,7 @@ fn by<S: Simd>(low: i32x16<S>, high: i32x16<S>, factor: i64) -> Range<S> {
 }
 
 impl<S: Simd> Columns<S> {
-    /// The columns from the one that begins at `at` from the sensor.
+    /// The extremes of the columns from the one that begins at `at`, units from the sensor.
     #[inline(always)]
     pub(super) fn of(simd: S, shape: &Shape, at: i64) -> Self {
         let mut steps = [0; TILES];
@@ -60,7 +60,7 @@ impl<S: Simd> Columns<S> {
         }
     }
 
-    /// The tiles of a row.
+    /// Tests the tiles of a row.
     #[inline(always)]
     pub(super) fn meet(&self, shape: &Shape, row: &Extremes) -> Met {
         let sum = |columns: i32x16<S>, row: i64| columns + row as i32;

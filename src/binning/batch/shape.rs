@@ -1,9 +1,9 @@
-//! A cone's outline, and whether it may touch a tile, in 64 bits; `shaders/binning/list/meets.wgsl` decides the same in 32.
+//! A cone's outline, and whether it may touch a tile, in 64 bits; `shaders/binning/list/meets.wgsl` decides the same in 32 bits.
 
 use crate::binning::snap::{Footprint, SLACK};
 use crate::geometry::layout::*;
 
-/// A cone's outline relative to its sensor, in 64-bit units.
+/// A cone's outline relative to its sensor, in units held as 64-bit integers.
 pub(super) struct Shape {
     pub(super) footprint: Footprint,
     pub(super) narrow: bool,
@@ -22,7 +22,7 @@ impl Shape {
         let wide = |a: [i32; 2]| a.map(i64::from);
         let (axis, left, right) = (wide(cone.axis), wide(cone.left), wide(cone.right));
         let [inner, outer] = wide(cone.reach);
-        // The sensor, the ends of both edges and of the axis, and the circle's extremes that lie between the edges.
+        // The box spans the sensor, the ends of both edges and of the axis, and the circle's extremes that lie between the edges.
         let direction = i64::from(DIRECTION);
         let between = |v: [i64; 2]| cross(left, v) <= 0 && cross(right, v) >= 0 && dot(axis, v) >= 0;
         let compass = [[direction, 0], [0, direction], [-direction, 0], [0, -direction]];
@@ -36,7 +36,7 @@ impl Shape {
             }
         }
         let narrow = cone.flags & NARROW_BEAM != 0;
-        // A direction is rounded by up to 1/8192, so a far tip by more than a unit.
+        // A direction is rounded by up to 1/8192, so a far tip is off by more than a unit.
         let slack = 2 + outer / 4096 + if narrow || footprint == Footprint::Axis { SLACK } else { 0 };
         Shape {
             footprint,
@@ -52,9 +52,9 @@ impl Shape {
         }
     }
 
-    /// A tile column's (`k` 0) or tile row's (1) part of its tiles' extremes; it begins at `at` from the sensor.
+    /// The part of a tile column (`k` 0) or tile row (1) in its tiles' extremes. It begins at `at`, units from the sensor.
     pub(super) fn extremes(&self, k: usize, at: i64) -> Extremes {
-        // The cells' centres.
+        // The centres of the first and the last cell.
         let low = at + i64::from(CELL / 2);
         let high = low + i64::from(CELL) * (TILE as i64 - 1);
         let by = |factor: i64| if factor < 0 { [factor * high, factor * low] } else { [factor * low, factor * high] };
@@ -70,7 +70,8 @@ impl Shape {
         }
     }
 
-    /// Whether the cone may touch the tile of this column and row: (its arc may, all of the tile is interior).
+    /// Tests the tile of this column and row: `None` if the cone can't touch it, else whether the arc may touch it, and whether all
+    /// of the tile is interior.
     pub(super) fn meets(&self, column: &Extremes, row: &Extremes) -> Option<(bool, bool)> {
         let sum = |a: [i64; 2], b: [i64; 2]| [a[0] + b[0], a[1] + b[1]];
         let half = i64::from(CELL / 2);
@@ -82,7 +83,7 @@ impl Shape {
             across[0] <= width && across[1] >= -width && along[1] >= before && along[0] <= self.outer * direction
         };
         match self.footprint {
-            // On the axis: within half a cell of it along the other world axis, so at most that far from it.
+            // A cell on the axis lies within half a cell of it along the other world axis, so at most that far from it.
             Footprint::Axis => in_band(half * direction, -SLACK * direction).then_some((true, false)),
             Footprint::Cone | Footprint::Wedge => {
                 let (left, right) = (sum(column.left, row.left), sum(column.right, row.right));
@@ -97,8 +98,8 @@ impl Shape {
     }
 }
 
-/// The least and the largest of a cone's products with v over a tile, and the squares of its nearest and farthest distance:
-/// the part of a column of tiles, or of a row.
+/// The part of a column or row of tiles in the least and the largest of a cone's products with v over a tile, and in the
+/// squares of the tile's nearest and farthest distance.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Extremes {
     pub(super) left: [i64; 2],

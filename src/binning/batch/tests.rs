@@ -1,4 +1,4 @@
-//! Lists against exact membership, tile by tile.
+//! Tests the lists against exact membership, tile by tile.
 
 use super::*;
 use crate::binning::snap::{region, snap};
@@ -9,16 +9,16 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::collections::BTreeMap;
 
-/// Neither side is whole tiles; the second grid has four chunks.
+/// Grid sizes whose sides are not whole numbers of tiles; the second grid has four chunks.
 const GRIDS: [[usize; 2]; 2] = [[151, 90], [1100, 1040]];
 const RESOLUTION: f64 = 0.125;
 
-/// A random cone: place in cells, heading, range in cells, β in degrees, ε in cells, and what kind it is.
+/// A random cone: position in cells, heading, range in cells, β in degrees, ε in cells, and kind.
 type Draw = ((f64, f64), f64, f64, f64, f64, u8);
 
 fn any_cone(place: [Range<f64>; 2], far: f64) -> impl Strategy<Value = Draw> {
     let [x, y] = place;
-    // β 0 and 60° and axes along the world's are drawn often.
+    // β = 0, β = 60° and axes along the world's axes are drawn often.
     let beta = prop_oneof![Just(0.0), Just(60.0), 0.0..60.0f64];
     let heading = prop_oneof![-7.0..7.0f64, (-8..8i32).prop_map(|k| f64::from(k) * std::f64::consts::FRAC_PI_4)];
     ((x, y), heading, 0.0..far, beta, prop_oneof![Just(0.0), 0.0..4.0f64], 0..4u8)
@@ -49,7 +49,7 @@ fn cone(size: [usize; 2], footprint: Footprint, draw: &Draw) -> Option<Cone> {
     snap(&grid, &sensor, &Reading { record, outcome, range }, footprint, edges).map(|(cone, _)| cone)
 }
 
-/// Every tile's entries, by its lower left cell.
+/// The entries of every tile, by the tile's lower left cell.
 fn lists(batch: &Batch) -> BTreeMap<[u32; 2], Vec<Entry>> {
     let mut lists = BTreeMap::new();
     for chunk in &batch.chunks {
@@ -70,7 +70,7 @@ fn lists(batch: &Batch) -> BTreeMap<[u32; 2], Vec<Entry>> {
     lists
 }
 
-/// (Any cell interior or on the arc, any on the arc, all interior) of a tile, cell by cell.
+/// Decides cell by cell whether a tile has any cell in the interior or on the arc, any on the arc, and only interior cells.
 fn exact(cone: &Cone, footprint: Footprint, size: [usize; 2], corner: [i64; 2]) -> (bool, bool, bool) {
     let (mut any, mut arc, mut all) = (false, false, true);
     for cell in 0..TILE_CELLS as i64 {
@@ -82,7 +82,7 @@ fn exact(cone: &Cone, footprint: Footprint, size: [usize; 2], corner: [i64; 2]) 
     (any, arc, all)
 }
 
-/// Holds every tile's list against exact membership; returns how many tiles were listed for nothing, and how many inside.
+/// Checks every tile's list against exact membership. Returns how many tiles were listed needlessly, and how many as inside.
 fn check(size: [usize; 2], footprint: Footprint, no_echo_arcs: bool, cones: Vec<Cone>) -> (usize, usize) {
     let binning = Binning { size, footprint, no_echo_arcs, only: None };
     let batch = binning.bin(cones);
@@ -91,7 +91,7 @@ fn check(size: [usize; 2], footprint: Footprint, no_echo_arcs: bool, cones: Vec<
     let mut parts: Vec<Vec<u32>> = vec![Vec::new(); batch.cones().len()];
     let [across, up] = size.map(|s| s.div_ceil(TILE));
     let mut tiles: Vec<[usize; 2]> = (0..up).flat_map(|j| (0..across).map(move |i| [i, j])).collect();
-    // chunk by chunk, and in each tile row by tile row
+    // The order is chunk by chunk and in each chunk tile row by tile row.
     tiles.sort_by_key(|[i, j]| [j / CHUNK, i / CHUNK, *j, *i]);
     for [i, j] in tiles {
         let corner = [(i * TILE) as u32, (j * TILE) as u32];
@@ -118,7 +118,7 @@ fn check(size: [usize; 2], footprint: Footprint, no_echo_arcs: bool, cones: Vec<
         }
         assert!(entries.next().is_none());
     }
-    // A reading's parts stand side by side, chunk by chunk and tile row by tile row, none twice.
+    // The parts of a reading are consecutive, chunk by chunk and tile row by tile row, and none occurs twice.
     assert_eq!(batch.first_part().len(), batch.cones().len() + 1);
     for (k, parts) in parts.iter().enumerate() {
         let own: Vec<u32> = (batch.first_part()[k]..batch.first_part()[k + 1]).collect();
@@ -177,7 +177,7 @@ proptest! {
     }
 }
 
-/// `count` cones from a small generator.
+/// Makes `count` cones with a small random number generator.
 fn many(count: u32) -> Vec<Cone> {
     let at = |k: u32, step: u32, n: u32| f64::from(k.wrapping_mul(step) % n);
     let draw = |k: u32| {
@@ -213,7 +213,7 @@ fn the_number_of_threads_leaves_no_trace() {
         let other = bin(threads);
         assert!(other.chunks == one.chunks && other.first_part() == one.first_part() && other.cones() == one.cones());
     }
-    // And as one reading after the other would be listed.
+    // The lists equal those made by listing one reading after the other.
     let mut tiles: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
     for (k, cone) in cones.iter().enumerate() {
         for (corner, entries) in lists(&binning.bin(vec![*cone])) {
@@ -233,7 +233,7 @@ fn no_readings_make_no_tiles() {
     assert_eq!(batch.first_part(), [0]);
 }
 
-/// 16 tiles at once in 32 bits against one by one in 64.
+/// Tests 16 tiles at once in 32 bits against one by one in 64 bits.
 #[test]
 fn narrow_is_what_one_by_one_is() {
     use fearless_simd::{Level, Simd, dispatch};
@@ -243,13 +243,13 @@ fn narrow_is_what_one_by_one_is() {
     }
     let (mut met, mut arcs, mut insides) = (0, 0, 0);
     for (k, near) in many(600).into_iter().enumerate() {
-        // Every third as far as 32 bits may go, in its own direction.
+        // Every third cone reaches as far as 32 bits allow, in its own direction.
         let far = Cone { reach: [32_000, 32_768], ..near };
         let cone = if k % 3 == 0 { far } else { near };
         for footprint in FOOTPRINTS {
             let shape = Shape::of(&cone, footprint);
             for corner in [[0, 0], [0, 1], [1, 0], [1, 1]] {
-                // The tiles from each corner of the box on.
+                // The tiles start at each corner of the box.
                 let at = [0, 1].map(|k| if corner[k] == 0 { shape.low[k] } else { shape.high[k] - 16 * 512 });
                 let rows = dispatch!(Level::new(), simd => rows(simd, &shape, at));
                 for (j, row) in rows.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Which scans reach which tile of a chunk, in log order.
+//! Bins scans into the tiles of a chunk, in log order.
 //!
-//! Where a cell takes its nearest poses, a batch is some of the chunk's tiles with every scan that may be among the nearest of
-//! one of their cells, in the whole log: so the choice doesn't depend on how the work is split. Where it takes all poses, their
-//! order doesn't matter, and a batch is some of the scans with all tiles that they reach.
+//! Where a cell takes its nearest poses, a batch is some of the chunk's tiles with every scan of the whole log that may be among
+//! the nearest of one of their cells. The choice therefore doesn't depend on how the work is split. Where a cell takes all poses,
+//! their order doesn't matter to the choice, and a batch is some of the scans with all tiles that they reach.
 
 use super::area::Area;
 use super::{Index, Selection, Store, micrometres};
@@ -14,48 +14,48 @@ use crate::{Error, Result};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The tiles of one chunk.
+/// Makes the batches of one chunk.
 pub struct Tiles<'a> {
     store: &'a Store,
-    /// Where a cell takes its nearest poses.
+    /// The index of poses; `None` if a cell takes all poses.
     index: Option<&'a Index>,
     selection: Selection,
     chunk: ChunkId,
     /// The centre of the chunk's first cell, µm in the world frame.
     origin: [i64; 2],
-    /// Centres of columns and rows, µm from there.
+    /// Centres of the chunk's columns and rows, µm from `origin`.
     centres: [Vec<i32>; 2],
     /// Columns and rows of the grid in this chunk.
     size: [usize; 2],
 }
 
-/// A tile and the scans that it may take.
+/// A tile (column and row in the chunk) and the scans that its cells may take.
 struct Listed {
     at: [usize; 2],
     scans: Vec<u32>,
 }
 
-/// Where a tile has more candidates than this for each of the nearest, a parked robot say, they are looked through.
+/// Candidates per neighbour above which a tile's list is reduced, as where a robot is parked.
 const MANY: usize = 16;
 
-/// What a batch may come to.
+/// Limits of a batch.
 #[derive(Debug, Clone, Copy)]
 pub struct Most {
-    /// Beams.
+    /// The largest number of beams.
     pub beams: usize,
-    /// (Scan, tile) pairs.
+    /// The largest number of (scan, tile) pairs.
     pub pairs: usize,
-    /// What one tile may come to, that can't be split: beams and pairs.
+    /// The largest number of beams and of pairs for one tile, which can't be split.
     pub one: [usize; 2],
-    /// How often a thread may go round its loops ([`crate::kernels::Limits::max_loop_iterations`]).
+    /// The largest number of loop iterations of a thread ([`crate::kernels::Limits::max_loop_iterations`]).
     pub max_loop_iterations: usize,
 }
 
-/// Steps of a search among a scan's beams, and the walk to it: more than any takes.
+/// An upper bound of the steps of a search among a scan's beams, including the loop that leads to it.
 const SEARCH: usize = 40;
 
 impl<'a> Tiles<'a> {
-    /// Of a chunk.
+    /// Prepares the tiles of a chunk. With `index` a cell takes its nearest poses, without it all poses.
     pub fn of(
         grid: &GridSpec,
         chunk: ChunkId,
@@ -75,10 +75,11 @@ impl<'a> Tiles<'a> {
         Tiles { store, index, selection, chunk, origin, centres, size }
     }
 
-    /// Gives the chunk's batches in order, each with the share of the chunk's work that it is; whether all were taken.
+    /// Passes the chunk's batches to `give` in order, each with its share of the chunk's work, until `give` returns `false`.
+    /// Returns whether all were taken.
     ///
     /// # Errors
-    /// [`crate::Error::Resources`] where spilled beams can't be read back.
+    /// [`crate::Error::Resources`] if spilled beams can't be read back, or one tile exceeds the limits.
     pub fn batches(&self, most: Most, give: &mut dyn FnMut(Batch, f64) -> bool) -> Result<bool> {
         match self.index {
             Some(index) => self.by_tiles(index, self.all(), most, give),
@@ -86,7 +87,7 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// The tiles, column and row in the chunk, for which one of some scans may be among the nearest.
+    /// The tiles (column and row in the chunk) for which one of the given scans may be among the nearest.
     pub fn concerned(&self, scans: Range<u32>) -> Vec<[usize; 2]> {
         let Some(index) = self.index else { return self.all() };
         let farthest = self.selection.z_max * 1e6;
@@ -101,7 +102,8 @@ impl<'a> Tiles<'a> {
         self.all().into_par_iter().filter(|at| near(at) && taken(at)).collect()
     }
 
-    /// The same batches of some tiles alone, column and row in the chunk; where cells take all poses those of some scans alone, all tiles.
+    /// [`Tiles::batches`] for some of the work: with an index for the given tiles (column and row in the chunk), without one for
+    /// the given scans over all tiles.
     ///
     /// # Errors
     /// As [`Tiles::batches`].
@@ -140,7 +142,8 @@ impl<'a> Tiles<'a> {
                 scans.extend(&tile.scans);
                 (beams, pairs, taken) = (beams + more, pairs + tile.scans.len(), taken + 1);
             }
-            // A thread keeps the squares of its nearest poses in order, for each candidate, and searches the beams of those taken.
+            // For each candidate a thread keeps the squared distances of its nearest poses sorted; then it searches the beams of the
+            // poses taken.
             let held = usize::from(self.selection.neighbours.unwrap_or(0));
             let iterations =
                 rest[..taken].iter().map(|t| t.scans.len() * (2 + held)).max().unwrap_or(0) + held * SEARCH;
@@ -194,13 +197,13 @@ impl<'a> Tiles<'a> {
         Ok(true)
     }
 
-    /// Every tile, column and row, row by row.
+    /// All tiles (column and row in the chunk), row by row.
     fn all(&self) -> Vec<[usize; 2]> {
         let [columns, rows] = self.size.map(|s| s.div_ceil(TILE));
         (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])).collect()
     }
 
-    /// The box of the cells from one to before another.
+    /// The box of cell centres from cell `from` to before cell `to`.
     fn extent(&self, from: [usize; 2], to: [usize; 2]) -> Area {
         Area { low: [0, 1].map(|k| self.centres[k][from[k]]), high: [0, 1].map(|k| self.centres[k][to[k] - 1]) }
     }
@@ -210,7 +213,7 @@ impl<'a> Tiles<'a> {
         self.extent(from, [0, 1].map(|k| (from[k] + TILE).min(self.size[k])))
     }
 
-    /// A pose from the chunk's first cell, µm.
+    /// The position of a scan's pose, µm from the centre of the chunk's first cell.
     fn pose(&self, scan: u32) -> [i64; 2] {
         [0, 1].map(|k| self.store.poses[scan as usize][k] - self.origin[k])
     }
@@ -221,7 +224,7 @@ impl<'a> Tiles<'a> {
         reach > 0.0 && area.square(self.pose(scan)) <= reach * reach
     }
 
-    /// A tile's scans; `None` where none of them may touch it.
+    /// A tile and the scans that its cells may take; `None` if none of the scans may touch it.
     fn list(&self, index: &Index, at: [usize; 2]) -> Option<Listed> {
         let area = self.tile(at);
         let scans = self.candidates(index, &area);
@@ -240,17 +243,17 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// Of these scans those to which not n others are nearer all over the tile: the rest is never among the n nearest. The
-    /// difference of two squared distances is linear in the place, so what holds at the corners holds between them.
+    /// Leaves out each scan for which n others are nearer everywhere in the tile, because it is never among the n nearest. The
+    /// difference of two squared distances is linear in the position, so a relation that holds at the corners holds between them.
     fn undominated(&self, area: &Area, scans: &[u32], n: usize) -> Vec<u32> {
         let corners = area.corners().map(|c| c.map(f64::from));
-        // f64 holds the squares of what is nearer than 90 m exactly; the rest says nothing.
+        // f64 holds the squares of distances below 90 m exactly; farther poses do not update a cell.
         let squares = |scan: &u32| {
             let [px, py] = self.pose(*scan).map(|v| v as f64);
             corners.map(|[x, y]| (x - px) * (x - px) + (y - py) * (y - py))
         };
         let all: Vec<[f64; 4]> = scans.iter().map(squares).collect();
-        // The nearest on the whole are those that are nearer than others all over.
+        // The poses that are nearer than others everywhere are among those with the smallest sums.
         let mut order: Vec<usize> = (0..all.len()).collect();
         let first = (4 * n).min(order.len() - 1);
         let sum = |k: &usize| all[*k].iter().sum::<f64>();
@@ -263,7 +266,7 @@ impl<'a> Tiles<'a> {
         scans.iter().zip(&all).filter(|(_, own)| kept(own)).map(|(scan, _)| *scan).collect()
     }
 
-    /// The batch of these tiles and scans.
+    /// Makes the batch of some tiles and scans.
     fn batch(&self, numbers: &[u32], listed: &[Listed]) -> Result<Batch> {
         let (mut scans, mut beams) = (Vec::with_capacity(numbers.len()), Vec::new());
         for number in numbers {
@@ -272,7 +275,7 @@ impl<'a> Tiles<'a> {
             let pose = self.pose(*number).map(|v| v as i32);
             scans.push(Scan { pose, first, count: beams.len() as u32 - first, number: *number, pad: [0; 3] });
         }
-        // Each tile's entries, and whether one of them may touch a cell.
+        // The entries of each tile; `None` if no scan may touch a cell of it.
         let list = |tile: &Listed| -> Option<Vec<Entry>> {
             let area = self.tile(tile.at);
             let mut touched = false;
@@ -283,7 +286,7 @@ impl<'a> Tiles<'a> {
                 let [low, high] = area.places(scan.pose, own);
                 let touches = self.touches(&area, scan.pose, own, [low, high]);
                 touched |= touches;
-                // Nearest poses compete whether they touch or not.
+                // A pose may be among the nearest whether or not its beams touch the tile.
                 let kept = touches || self.selection.neighbours.is_some();
                 kept.then_some(Entry { cone: (k as u32) << ENTRY_SHIFT, slot: low | high << 16 })
             });
@@ -307,7 +310,7 @@ impl<'a> Tiles<'a> {
         Ok(Batch { chunks, input: Input::Scans(ScanInput { scans, beams, centres: self.centres.concat() }) })
     }
 
-    /// Whether a beam that may be the nearest of a cell of the box may touch one.
+    /// Whether any beam that may be the nearest of a cell of the box may touch a cell of the box.
     fn touches(&self, area: &Area, pose: [i32; 2], beams: &[Beam], [low, high]: [u32; 2]) -> bool {
         let distance = area.square(pose.map(i64::from)).sqrt();
         let margin = self.selection.margin;

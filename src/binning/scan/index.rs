@@ -1,19 +1,20 @@
-//! Where the poses are: which of them may be among the nearest of a tile's cells.
+//! A spatial index of poses, which finds those that may be among the nearest of a tile's cells.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-/// The poses of a log in an R-tree, by their order in the log.
+/// An R-tree of a log's poses, each with its index in log order.
 pub struct Index {
     tree: RTree<GeomWithData<[f64; 2], u32>>,
     neighbours: usize,
 }
 
-/// More than all roundings of f64 together, metres.
+/// A margin larger than all f64 rounding errors together, metres.
 const MARGIN: f64 = 1e-5;
 
 impl Index {
-    /// Of these poses, µm. Of those at one place only the first `neighbours` can ever be among the nearest.
+    /// Indexes poses, µm, for searches of the `neighbours` nearest. Of several poses at one position only the first `neighbours` are
+    /// kept, because the others can't be among the nearest.
     pub fn new(poses: &[[i64; 2]], neighbours: usize) -> Index {
         let mut order: Vec<u32> = (0..poses.len() as u32).collect();
         order.sort_by_key(|k| (poses[*k as usize], *k));
@@ -25,8 +26,8 @@ impl Index {
         Index { tree: RTree::bulk_load(points), neighbours }
     }
 
-    /// The poses that may be among the nearest of a cell within `half` of a point, and nearer to it than `farthest`, in
-    /// log order; metres. Those within the point's own n-th distance plus twice `half` hold them all.
+    /// The poses, in log order, that may be among the nearest of a cell within `half` of a point and nearer to the cell than
+    /// `farthest`; all in metres. They lie within the point's own n-th distance plus twice `half`.
     pub fn candidates(&self, point: [f64; 2], half: f64, farthest: f64) -> Vec<u32> {
         let mut radius = farthest + half;
         if let Some(nth) = self.tree.nearest_neighbor_iter(point).nth(self.neighbours - 1) {

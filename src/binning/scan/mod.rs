@@ -1,7 +1,7 @@
-//! Scans: readings taken at one pose, for the methods in which a cell takes one beam of each of its nearest poses.
+//! Scans are readings taken at one pose. They are for the methods in which a cell takes one beam of each of its nearest poses.
 //!
-//! Poses, hits, ranges and cell centres are rounded to 1 µm, directions to 2⁻²⁵, and every choice is made in integers of at most
-//! 53 bits: the nearest poses by squared distance, the nearest beam by cross products.
+//! Poses, hits, ranges and cell centres are rounded to 1 µm, directions to 2⁻²⁵. Every choice is made in integers of at most 53
+//! bits: the nearest poses by squared distance, the nearest beam by cross products.
 
 mod area;
 mod batch;
@@ -22,52 +22,52 @@ use crate::log::reading::{Pose, Record, Unused, classify};
 use crate::sensor::Sensor;
 use crate::{Error, Result};
 
-/// A beam of a scan.
+/// A beam of a scan before snapping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// The sensor's pose, metres and radians in the world frame.
     pub sensor: Pose,
-    /// The hit's range, metres; `None`: nothing came back.
+    /// The range of the hit, metres; `None` without an echo.
     pub range: Option<f64>,
-    /// The hit's class label, from 1; 0: none.
+    /// The class label of the hit, from 1; 0 if it has none.
     pub label: u8,
-    /// Which of the log's sensors it is, and the line that it comes from.
+    /// Index of the sensor in the log, and line number of the record.
     pub source: (u32, u64),
 }
 
-/// The readings of one scan, those that were rejected left out.
+/// The readings of one scan, without the rejected ones.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scan {
     /// The robot's pose.
     pub robot: Pose,
-    /// The beams, in the log's order: what came back, and what didn't.
+    /// The beams in log order, with and without an echo.
     pub rays: Vec<Ray>,
-    /// How many of them are used readings.
+    /// Number of used readings among them.
     pub used: u64,
 }
 
-/// The most beams that a scan may have.
+/// The largest number of beams in a scan.
 pub const MOST_BEAMS: usize = 65_535;
 
 /// Groups a log's records into scans.
 pub struct Scans<'a, I> {
     records: I,
     sensors: &'a [Sensor],
-    /// Labels from 1 to this are taken; 0: labels don't matter.
+    /// The largest class label that is accepted; 0 if labels are ignored.
     labels: usize,
-    /// Used readings still to be taken.
+    /// Number of used readings still to be taken.
     left: u64,
     next: Option<Record>,
     path: &'a std::path::Path,
 }
 
 impl<'a, I: Iterator<Item = Result<Record>>> Scans<'a, I> {
-    /// Of these records, up to the `until`-th used one. `labels`: how many class labels there are, 0 where they don't matter.
+    /// Groups records up to the `until`-th used one. `labels` is the number of class labels, or 0 if they are ignored.
     pub fn new(records: I, sensors: &'a [Sensor], labels: usize, until: u64, path: &'a std::path::Path) -> Self {
         Scans { records, sensors, labels, left: until, next: None, path }
     }
 
-    /// Adds a record to a scan.
+    /// Adds a record to a scan, unless its reading is rejected.
     fn add(&mut self, scan: &mut Scan, record: Record) -> Result<()> {
         let range = match classify(record, &self.sensors[record.sensor as usize]) {
             Ok(reading) => {

@@ -2,7 +2,7 @@
 
 use crate::geometry::layout::{Beam, YIELD};
 
-/// Which quarter of the circle a direction lies in, counter-clockwise from +x; each has its first axis, not its last.
+/// The quadrant of a direction, 0 to 3, counter-clockwise from +x. A quadrant includes its first axis, not its last.
 #[inline(always)]
 pub fn quarter([x, y]: [i32; 2]) -> u32 {
     if y >= 0 {
@@ -20,7 +20,7 @@ pub fn quarter([x, y]: [i32; 2]) -> u32 {
     }
 }
 
-/// The cross product, exact while its result has 53 bits.
+/// The cross product, which is exact while its result fits 53 bits.
 #[inline(always)]
 pub fn cross(a: [i32; 2], v: [i32; 2]) -> f64 {
     f64::from(a[0]) * f64::from(v[1]) - f64::from(a[1]) * f64::from(v[0])
@@ -34,7 +34,7 @@ pub fn before(beam: &Beam, v: [i32; 2]) -> bool {
     bound < cell || (bound == cell && (turn > 0.0 || (turn == 0.0 && beam.id & YIELD != 0)))
 }
 
-/// How many of the beams' bounds come before a cell at `v`, `low` at least and `high` at most.
+/// The number of beams whose bounds come before a cell at `v`, found by bisection between `low` and `high`.
 #[inline(always)]
 pub fn place(beams: &[Beam], v: [i32; 2], mut low: u32, mut high: u32) -> u32 {
     while low < high {

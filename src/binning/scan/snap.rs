@@ -1,4 +1,4 @@
-//! From a scan to its snapped beams: µm, directions in integers, beams in the order of their bearings.
+//! Snaps a scan to beams: lengths in µm, directions in integers, beams sorted by bearing.
 
 use super::order::quarter;
 use super::{Ray, Scan, Selection};
@@ -8,15 +8,15 @@ use std::cmp::Ordering;
 /// A snapped scan.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snapped {
-    /// Its pose, µm in the world frame.
+    /// Position of the pose, µm in the world frame.
     pub pose: [i64; 2],
-    /// Its beams, by their bounds' bearings from +x.
+    /// Beams, sorted by the bearings of their bounds from +x.
     pub beams: Vec<Beam>,
-    /// How far they may touch cells, µm.
+    /// The largest distance from the pose at which a beam may touch a cell, µm.
     pub reach: i32,
 }
 
-/// Metres as µm, rounded half up.
+/// Converts metres to µm, rounded half up.
 pub fn micrometres(metres: f64) -> i64 {
     (metres * 1e6 + 0.5).floor() as i64
 }
@@ -42,20 +42,20 @@ pub fn snap(scan: &Scan, selection: &Selection) -> Snapped {
     let margin = selection.margin;
     let mut directed: Vec<Directed> =
         (0..).zip(&scan.rays).map(|(k, ray)| direct(ray, k, pose, together, selection)).collect();
-    // Of beams in one direction the first is always the nearest.
+    // Of several beams in one direction the first is always the nearest.
     directed.sort_by(|a, b| around(a.unit, b.unit).then(a.index.cmp(&b.index)));
     directed.dedup_by(|later, first| later.unit == first.unit);
     let reach = directed.iter().filter(|d| d.id & IDLE == 0).map(|d| d.range + margin).max().unwrap_or(0);
     Snapped { pose, beams: bounded(directed), reach }
 }
 
-/// Directions counter-clockwise from +x.
+/// Compares directions counter-clockwise from +x.
 fn around(a: [i32; 2], b: [i32; 2]) -> Ordering {
     let cross = i64::from(a[0]) * i64::from(b[1]) - i64::from(a[1]) * i64::from(b[0]);
     quarter(a).cmp(&quarter(b)).then(0.cmp(&cross))
 }
 
-/// A vector's direction, of length [`UNIT`], rounded half up.
+/// The direction of a vector, scaled to length [`UNIT`] and rounded half up.
 fn unit([x, y]: [f64; 2]) -> [i32; 2] {
     let length = (x * x + y * y).sqrt();
     [x, y].map(|v| (v / length * f64::from(UNIT) + 0.5).floor() as i32)
@@ -90,7 +90,7 @@ fn direct(ray: &Ray, index: u32, pose: [i64; 2], together: bool, selection: &Sel
     Directed { unit, index, ray: ray_of, range: if idle { 0 } else { range as i32 }, id }
 }
 
-/// The beams with the bounds between them. The bound after the last one may lie beyond +x: then the last beam comes first.
+/// Adds the bounds between the beams. If the bound after the last beam lies beyond +x, that beam comes first.
 fn bounded(mut directed: Vec<Directed>) -> Vec<Beam> {
     let n = directed.len();
     if let [first, .., last] = &directed[..]
@@ -107,10 +107,10 @@ fn bounded(mut directed: Vec<Directed>) -> Vec<Beam> {
     (0..n).map(beam).collect()
 }
 
-/// Between opposite directions the sum of two is too short to tell a direction.
+/// Length below which the sum of two nearly opposite directions is too short to give a direction.
 const SHORT: i32 = 1 << 15;
 
-/// The middle of the turn from one direction to another, counter-clockwise.
+/// The direction halfway along the counter-clockwise turn from one direction to another.
 fn bound(from: [i32; 2], to: [i32; 2]) -> [i32; 2] {
     let sum = [from[0] + to[0], from[1] + to[1]];
     let cross = i64::from(from[0]) * i64::from(to[1]) - i64::from(from[1]) * i64::from(to[0]);

@@ -1,4 +1,5 @@
-//! The snapped scans of a log: poses in memory, beams there too or, where they outgrow it, in a nameless file.
+//! Stores the snapped scans of a log. Poses stay in memory; beams are spilled to an unnamed temporary file when they outgrow
+//! their share of memory.
 
 use super::Snapped;
 use crate::geometry::layout::Beam;
@@ -7,25 +8,25 @@ use crate::{Error, Result};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// The scans, in log order.
+/// The snapped scans of a log, in log order.
 pub struct Store {
-    /// Their poses, µm in the world frame.
+    /// Position of each scan's pose, µm in the world frame.
     pub poses: Vec<[i64; 2]>,
-    /// How far each may touch cells, µm.
+    /// The largest distance at which each scan may touch a cell, µm.
     pub reaches: Vec<i32>,
-    /// Where each one's beams begin; one more than there are scans.
+    /// Index of each scan's first beam, with one more element than there are scans.
     starts: Vec<u64>,
     held: Vec<Beam>,
-    /// Beams that may be held.
+    /// The largest number of beams in memory.
     most: usize,
     folder: PathBuf,
     spill: Option<File>,
-    /// Beams in the file.
+    /// Number of beams in the file.
     spilled: u64,
 }
 
 impl Store {
-    /// None yet; `memory` is what the beams may take, bytes, before they are spilled to a file in `folder`.
+    /// An empty store. Its beams may take `memory` bytes before they are spilled to a file in `folder`.
     pub fn new(folder: &Path, memory: u64) -> Store {
         // A vector grows by doubling.
         let most = usize::try_from(memory / 2).unwrap_or(usize::MAX) / size_of::<Beam>();
@@ -44,7 +45,7 @@ impl Store {
     /// Adds a scan.
     ///
     /// # Errors
-    /// [`Error::Resources`] where its beams can't be spilled, or there are too many scans.
+    /// [`Error::Resources`] if its beams can't be spilled, or there are too many scans.
     pub fn push(&mut self, scan: Snapped) -> Result<()> {
         if self.poses.len() >= 1 << 30 {
             return Err(Error::Resources("more than 1073741824 scans: map the log in parts".into()));
@@ -72,21 +73,21 @@ impl Store {
         Ok(())
     }
 
-    /// Bytes that were spilled.
+    /// Number of bytes that were spilled.
     pub fn spilled(&self) -> u64 {
         self.spilled * size_of::<Beam>() as u64
     }
 
-    /// How many beams a scan has.
+    /// Number of beams of a scan.
     pub fn count(&self, scan: u32) -> usize {
         let k = scan as usize;
         (self.starts[k + 1] - self.starts[k]) as usize
     }
 
-    /// Appends a scan's beams.
+    /// Appends a scan's beams to `beams`.
     ///
     /// # Errors
-    /// [`Error::Resources`] where spilled ones can't be read back.
+    /// [`Error::Resources`] if spilled beams can't be read back.
     pub fn read(&self, scan: u32, beams: &mut Vec<Beam>) -> Result<()> {
         let (start, count) = (self.starts[scan as usize], self.count(scan));
         if start >= self.spilled {

@@ -1,7 +1,7 @@
-//! Which updates reach which tile, in order.
+//! Bins updates into tiles, in log order.
 //!
-//! Lists may hold an update too many, never one too few; of each entry the slot says which of the update's shapes may meet the
-//! tile, and which fans hold all of it.
+//! A list may hold an update that does not reach the tile, but it never lacks one that does. The slot of each entry says which of
+//! the update's shapes may meet the tile, and which fans hold all of it.
 
 use super::reach::regions;
 use super::region::{SPAN, SPOT, cross};
@@ -14,27 +14,27 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// How updates are binned: onto a grid of so many columns and rows.
+/// The parameters by which updates are binned.
 #[derive(Debug, Clone, Copy)]
 pub struct Bins {
-    /// Columns and rows.
+    /// Columns and rows of the grid.
     pub size: [usize; 2],
 }
 
-/// Updates, binned.
+/// The result of binning updates.
 pub struct Binned {
     /// The batch.
     pub batch: Batch,
-    /// Updates that reach no cell.
+    /// Number of updates that reach no cell.
     pub outside: u64,
-    /// Updates that may occupy and reach cells, but occupy none.
+    /// Number of updates that may occupy and reach cells, but occupy none.
     pub empty_arc: u64,
 }
 
-/// A tile on the way: the cone's flags there, and the shapes that may meet it.
+/// An update's flags and slot for one tile: the cone's flags, and the shapes that may meet the tile.
 type Meeting = (u32, u32);
 
-/// The tiles about an update.
+/// The box of tiles around an update.
 struct Area {
     columns: Range<i64>,
     rows: Range<i64>,
@@ -50,7 +50,7 @@ impl Area {
     }
 }
 
-/// What a run of updates reaches: each chunk's pairs, by row and column.
+/// The pairs of a run of consecutive updates, by chunk.
 #[derive(Default)]
 struct Run {
     chunks: BTreeMap<ChunkId, Vec<Pair>>,
@@ -59,13 +59,13 @@ struct Run {
 }
 
 impl Bins {
-    /// Tiles that an update reaches at most.
+    /// The largest number of tiles that an update may reach.
     pub fn at_most(&self, update: &Snapped) -> usize {
         let [columns, rows] = self.spans(update).map(|s| (s.end - s.start).max(0) as usize);
         columns * rows
     }
 
-    /// Bins snapped updates.
+    /// Bins snapped updates, which are given in log order.
     pub fn bin(&self, updates: &[Snapped]) -> Binned {
         let length = updates.len().div_ceil(4 * rayon::current_num_threads()).max(16);
         let run = |(k, updates)| self.run((k * length) as u32, updates);
@@ -90,7 +90,7 @@ impl Bins {
         Binned { batch: Batch { chunks, input: Input::Updates(input) }, outside, empty_arc }
     }
 
-    /// The first of these is the batch's update number `first`.
+    /// Bins a run of updates; `first` is the index in the batch of the run's first update.
     fn run(&self, first: u32, updates: &[Snapped]) -> Run {
         let mut run = Run::default();
         for (index, update) in (first..).zip(updates) {
@@ -118,7 +118,7 @@ impl Bins {
         run
     }
 
-    /// Columns and rows of tiles about an update.
+    /// Columns and rows of the tiles in an update's box.
     fn spans(&self, update: &Snapped) -> [Range<i64>; 2] {
         let outer = if update.routine { i64::from(update.cone.reach[1]) + 2 } else { 0 };
         [0, 1].map(|k| {
@@ -129,7 +129,7 @@ impl Bins {
         })
     }
 
-    /// The tiles along an axis whose centres may lie between two places, units from the sensor.
+    /// The tiles along axis `k` with cell centres that may lie between two coordinates, units from the sensor.
     fn span(&self, update: &Snapped, k: usize, [low, high]: [i64; 2]) -> Range<i64> {
         let (at, edge) = (i64::from(update.cone.sensor[k] - CELL / 2), i64::from(CELL) * TILE as i64);
         let tiles = self.size[k].div_ceil(TILE) as i64;
@@ -137,7 +137,7 @@ impl Bins {
         from.max(0)..((high + at).div_euclid(edge) + 1).min(tiles)
     }
 
-    /// What of an update may meet which tile about it.
+    /// Finds for each tile of an update's box which shapes of the update may meet it.
     fn meet(&self, update: &Snapped) -> Area {
         let [columns, rows] = self.spans(update);
         let count = (columns.end - columns.start).max(0) * (rows.end - rows.start).max(0);
@@ -178,7 +178,7 @@ impl Bins {
         area
     }
 
-    /// Shows each tile that the box about three points meets, by its first centre from the sensor.
+    /// Calls `show` for each tile that meets the box of three points, with the centre of the tile's first cell, units from the sensor.
     fn tiles(
         &self,
         update: &Snapped,
@@ -203,12 +203,12 @@ impl Bins {
     }
 }
 
-/// Where the first centre of a column or row of tiles lies, units from the sensor.
+/// Coordinate of the first cell centre of a column (`k` 0) or row (1) of tiles, units from the sensor.
 fn first_centre(update: &Snapped, k: usize, tile: i64) -> i32 {
     CELL * TILE as i32 * tile as i32 + CELL / 2 - update.cone.sensor[k]
 }
 
-/// An entry's flags and slot, if something of the update may say something of a cell of the tile.
+/// The flags and slot of a tile's entry; `None` if no part of the update can change a cell of the tile.
 fn useful(update: &Snapped, (mut flags, mut slot): Meeting) -> Option<(u32, u32)> {
     let limited = |bit: u32| update.shapes.flags & bit != 0;
     if update.cone.flags & NO_ECHO != 0 || (limited(ARC_LIMIT) && slot & FAN << 3 == 0) {
@@ -222,14 +222,14 @@ fn useful(update: &Snapped, (mut flags, mut slot): Meeting) -> Option<(u32, u32)
     (slot & says != 0).then_some((flags, slot))
 }
 
-/// A linear function's least and largest value over a tile whose first centre lies at `v`.
+/// The least and the largest value of the linear function a·p over the cell centres of a tile; `v` is its first cell's centre.
 fn extremes(a: [i32; 2], v: [i32; 2]) -> [i32; 2] {
     let at = |k: usize| a[k] * v[k];
     let (low, high) = (a[0].min(0) + a[1].min(0), a[0].max(0) + a[1].max(0));
     [at(0) + at(1) + low * SPAN, at(0) + at(1) + high * SPAN]
 }
 
-/// A triangle between the sensor and a fan's side, as three linear functions: none is negative within.
+/// The triangle of the sensor and a fan's side, as three linear functions that are not negative inside it.
 struct Triangle {
     area: i32,
     sides: [([i32; 2], i32); 3],
@@ -241,7 +241,7 @@ impl Triangle {
         Triangle { area, sides: [([-a[1], a[0]], 0), ([b[1], -b[0]], limit), ([-e[1], e[0]], area)] }
     }
 
-    /// Whether it may meet a tile that its box meets, and whether it holds all of it.
+    /// Whether the triangle may meet a tile that its box meets, and whether it holds the whole tile.
     fn meets(&self, v: [i32; 2]) -> (bool, bool) {
         let (mut some, mut all) = (self.area > 0, self.area > 0);
         for (side, more) in self.sides {
@@ -253,7 +253,7 @@ impl Triangle {
     }
 }
 
-/// Whether a line may meet a tile that its box meets.
+/// Whether a line may meet a tile that the line's box meets.
 fn line_meets([a, b]: [[i32; 2]; 2], v: [i32; 2]) -> bool {
     let d = [b[0] - a[0], b[1] - a[1]];
     let from = [v[0] - a[0], v[1] - a[1]];

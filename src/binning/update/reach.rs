@@ -9,7 +9,7 @@ use crate::geometry::profile;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
-/// An update in a tile's list.
+/// An update in a tile's list, with its entry, cone, shapes and points.
 pub(crate) struct Update<'a> {
     pub entry: &'a Entry,
     pub cone: &'a Cone,
@@ -17,16 +17,16 @@ pub(crate) struct Update<'a> {
     pub points: &'a [[i32; 2]],
 }
 
-/// A tile relative to an update's sensor.
+/// The position of a tile relative to an update's sensor.
 pub(crate) struct Place {
-    /// Its first cell's centre from the sensor, units.
+    /// Centre of the tile's first cell, units from the sensor.
     v: [i32; 2],
-    /// A bit for each column and for each row of the tile that lies in the grid.
+    /// Bit masks of the tile's columns and of its rows that lie in the grid.
     within: [u32; 2],
 }
 
 impl Place {
-    /// Of the tile with this lower left cell, in a grid of so many columns and rows.
+    /// The position of the tile with the lower left cell `corner`, in a grid of `size` columns and rows.
     #[inline(always)]
     pub fn of(cone: &Cone, corner: [u32; 2], size: [u32; 2]) -> Place {
         let v = [0, 1].map(|k| CELL * corner[k] as i32 + CELL / 2 - cone.sensor[k]);
@@ -34,26 +34,27 @@ impl Place {
     }
 }
 
-/// The cells of a tile that each source of an update occupies or frees.
+/// The cells of a tile that each source of an update occupies or frees. The sources are the first part, the second part
+/// and the routine part.
 pub(crate) struct Regions {
-    /// Occupied: by the first part, the second part, the routine part.
+    /// Cells that each source occupies.
     pub occupied: [Rows; 3],
-    /// Freed: by the same.
+    /// Cells that each source frees.
     pub freed: [Rows; 3],
-    /// Distances from the sensor, metres, where the routine part updates a cell.
+    /// Distances from the sensor, metres, of the cells that the routine part updates.
     pub distance: [[f32; TILE]; TILE],
-    /// Off-axis angles over β, there.
+    /// Off-axis angles over β of the cells that the routine part updates.
     pub turn: [[f32; TILE]; TILE],
 }
 
 impl Regions {
-    /// No cells.
+    /// Regions without cells.
     pub fn new() -> Regions {
         let (none, zeros) = ([[0; TILE]; 3], [[0.0; TILE]; TILE]);
         Regions { occupied: none, freed: none, distance: zeros, turn: zeros }
     }
 
-    /// The cells of a row that any source updates.
+    /// A bit mask of the cells of row `y` that any source updates.
     #[inline(always)]
     pub fn members(&self, y: usize) -> u32 {
         let [a, b, c] = [0, 1, 2].map(|k| self.occupied[k][y] | self.freed[k][y]);
@@ -74,7 +75,8 @@ impl Default for Regions {
     }
 }
 
-/// Finds which cells of a tile (its lower left cell, the grid's size) an update reaches, without distances and angles.
+/// Finds the cells of a tile that an update reaches, without distances and angles. The last argument is the tile's lower left
+/// cell and the grid's size.
 pub(crate) fn regions(
     entry: &Entry,
     cone: &Cone,
@@ -88,7 +90,7 @@ pub(crate) fn regions(
     seen
 }
 
-/// The cells in the k-th fan, by the entry's slot.
+/// The cells in fan `k`, decided by the entry's slot where possible.
 #[inline(always)]
 fn fan<S: Simd>(simd: S, place: &Place, update: &Update, k: usize) -> Rows {
     let Update { entry: Entry { slot, .. }, shapes, points, .. } = *update;
@@ -106,7 +108,7 @@ fn range(points: &[[i32; 2]], [from, to]: [u32; 2]) -> &[[i32; 2]] {
     &points[from as usize..to as usize]
 }
 
-/// Finds the cells that each source updates; distances and angles only with a frame.
+/// Finds the cells that each source updates. Distances and angles are computed only with a frame.
 #[inline(always)]
 pub(crate) fn look_at<S: Simd>(simd: S, frame: Option<&Frame>, place: &Place, update: &Update, seen: &mut Regions) {
     let Update { entry, cone, shapes, points } = *update;

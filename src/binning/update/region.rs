@@ -1,7 +1,7 @@
-//! Which cells lie in a fan, and which on lines, in integers; twin of `shaders/binning/update/region.wgsl`.
+//! Integer tests of which cells lie in a fan and which on lines; twin of `shaders/binning/update/region.wgsl`.
 //!
-//! Points and cells count from the sensor. All fits 32 bits: no point lies farther away than 512 cells. A tile at a time: of its
-//! rows only those are looked at that a shape's box meets.
+//! Points and cells are relative to the sensor. All products fit 32 bits, because no point lies farther away than 512 cells.
+//! The functions work on a tile at a time and visit only the rows that a shape's box meets.
 
 use crate::geometry::cone::STEPS;
 use crate::geometry::layout::{CELL, TILE};
@@ -9,28 +9,28 @@ use fearless_simd::i32x16;
 use fearless_simd::prelude::*;
 use std::ops::Range;
 
-/// A tile's cells, a word a row, a bit a cell.
+/// A bit mask of a tile's cells: a word for each row, a bit for each cell.
 pub type Rows = [u32; TILE];
 
-/// A point occupies what lies within ¾ cell, units.
+/// Radius within which a point occupies cells, units: ¾ cell.
 pub const SPOT: i32 = 24;
 
-/// From a tile's first centre to its last, units.
+/// Distance along an axis from a tile's first cell centre to its last, units.
 pub(super) const SPAN: i32 = CELL * (TILE as i32 - 1);
 
-/// The tile's cells in a fan, its first cell's centre at `v`.
+/// The tile's cells in a fan; `v` is the centre of the tile's first cell, units from the sensor.
 #[inline(always)]
 pub fn in_fan<S: Simd>(simd: S, fan: &[[i32; 2]], v: [i32; 2]) -> Rows {
     let mut inside = [0; TILE];
     for k in 1..fan.len() {
-        // The ray to the next triangle is that one's, the last ray the fan's.
+        // The ray between two triangles belongs to the next one; the last ray belongs to the fan.
         let limit = if k + 1 == fan.len() { 0 } else { -1 };
         in_triangle(simd, fan[k - 1], fan[k], limit, v, &mut inside);
     }
     inside
 }
 
-/// The triangle between the sensor and `a` and, counter-clockwise, `b`; nothing where it has no area.
+/// Adds the cells in the triangle of the sensor, `a` and, counter-clockwise, `b`; it adds none if the triangle has no area.
 #[inline(always)]
 fn in_triangle<S: Simd>(simd: S, a: [i32; 2], b: [i32; 2], limit: i32, v: [i32; 2], inside: &mut Rows) {
     let area = cross(a, b);
@@ -52,7 +52,7 @@ fn in_triangle<S: Simd>(simd: S, a: [i32; 2], b: [i32; 2], limit: i32, v: [i32; 
     }
 }
 
-/// The tile's cells on lines, two ends each, its first cell's centre at `v`.
+/// The tile's cells on lines of two ends each; `v` is the centre of the tile's first cell, units from the sensor.
 #[inline(always)]
 pub fn on_lines<S: Simd>(simd: S, ends: &[[i32; 2]], v: [i32; 2]) -> Rows {
     let mut on = [0; TILE];
@@ -62,7 +62,7 @@ pub fn on_lines<S: Simd>(simd: S, ends: &[[i32; 2]], v: [i32; 2]) -> Rows {
     on
 }
 
-/// Within half a cell of the line along either axis; of a point within ¾ cell.
+/// Adds the cells within half a cell of the line along either axis, or within ¾ cell of it if the line is a point.
 #[inline(always)]
 fn on_line<S: Simd>(simd: S, a: [i32; 2], b: [i32; 2], v: [i32; 2], on: &mut Rows) {
     let d = [b[0] - a[0], b[1] - a[1]];
@@ -82,7 +82,7 @@ fn on_line<S: Simd>(simd: S, a: [i32; 2], b: [i32; 2], v: [i32; 2], on: &mut Row
     }
 }
 
-/// The rows of a tile that a box meets; none where it lies to its left or right.
+/// The rows of a tile that a box meets; none if the box lies to the left or right of the tile.
 #[inline(always)]
 fn met(low: [i32; 2], high: [i32; 2], v: [i32; 2]) -> Range<usize> {
     if v[0] > high[0] || v[0] + SPAN < low[0] {
@@ -93,13 +93,13 @@ fn met(low: [i32; 2], high: [i32; 2], v: [i32; 2]) -> Range<usize> {
     from as usize..to as usize
 }
 
-/// The largest cross(a, p) of a tile.
+/// The largest cross(a, p) over the cell centres p of a tile.
 #[inline(always)]
 pub(super) fn most(a: [i32; 2], v: [i32; 2]) -> i32 {
     (a[0] * v[1] + (a[0] * SPAN).max(0)) - (a[1] * v[0] + (a[1] * SPAN).min(0))
 }
 
-/// z of the cross product.
+/// The z component of the cross product.
 #[inline(always)]
 pub(super) fn cross(a: [i32; 2], b: [i32; 2]) -> i32 {
     a[0] * b[1] - a[1] * b[0]

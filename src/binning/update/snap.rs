@@ -1,4 +1,4 @@
-//! From an update to integers: its cone, and the points of its shapes in units from the snapped sensor.
+//! Snaps an update to integers: its cone, and the points of its shapes in units from the snapped sensor.
 
 use crate::binning::snap::{self, Footprint, SLACK, place, snap};
 use crate::feature::{Fan, Update};
@@ -10,31 +10,31 @@ use crate::sensor::{Kind, Sensor};
 use crate::{Error, Result};
 use bytemuck::Zeroable;
 
-/// No point of an update lies farther from its sensor, units: products of what does fit 32 bits. 512 cells.
+/// The largest distance of an update's point from its sensor, units: 512 cells. Products of such coordinates fit 32 bits.
 pub const FARTHEST: i64 = 512 * CELL as i64;
 
-/// By how much a feature's line moves P(occupied) from ½, its free region the other way: to 0.8 and 0.2.
+/// By how much a feature's line raises P(occupied) from ½, to 0.8, and its free region lowers it, to 0.2.
 const SAYS: f64 = 0.3;
 
-/// An update in integers.
+/// A snapped update.
 #[derive(Debug, Clone)]
 pub struct Snapped {
-    /// The sensor, and where there is a routine part its cone.
+    /// The cone of the routine part; without one, only its sensor is set.
     pub cone: Cone,
-    /// The parts; the places count in `points`.
+    /// Fans, lines and weights of the parts. They index `points`.
     pub shapes: Shapes,
-    /// Vertices of fans and ends of lines, units from the sensor.
+    /// The vertices of fans and the ends of lines, units from the sensor.
     pub points: Vec<[i32; 2]>,
     /// Whether there is a routine part whose cone meets the grid.
     pub routine: bool,
-    /// Whether some part occupies what it can.
+    /// Whether any part may occupy cells.
     pub may_occupy: bool,
 }
 
-/// Fails where a sensor may see farther than updates reach in cells of that size.
+/// Checks that no sonar may see farther than updates can reach in cells of `resolution`, metres.
 ///
 /// # Errors
-/// [`Error::Usage`], with what to do.
+/// [`Error::Usage`], which tells the user what to do.
 pub fn check(sensors: &[Sensor], resolution: f64) -> Result<()> {
     for sensor in sensors.iter().filter(|s| s.kind == Kind::Sonar) {
         let reach = sensor.r_max + sensor.epsilon(resolution) + 2.0 * resolution;
@@ -49,13 +49,13 @@ pub fn check(sensors: &[Sensor], resolution: f64) -> Result<()> {
     Ok(())
 }
 
-/// The profile's four numbers of a method for one reading of a sensor.
+/// A function that gives the four parameters of a method's profile for one reading of a sensor.
 pub type Profile<'a> = dyn Fn(&Sensor, &snap::Snapped) -> [f32; 4] + 'a;
 
-/// Snaps an update. `None`: nothing of it reaches the grid.
+/// Snaps an update. Returns `None` if no part of it reaches the grid.
 ///
 /// # Errors
-/// [`Error::Usage`] where it names no sensor, has more than two parts, or reaches farther than 512 cells.
+/// [`Error::Usage`] if the update names an unknown sensor, has more than two parts, or reaches farther than 512 cells.
 pub fn snapped(grid: &GridSpec, sensors: &[Sensor], profile: &Profile, update: &Update) -> Result<Option<Snapped>> {
     let reading = &update.reading;
     let line = reading.record.line;
@@ -92,7 +92,7 @@ pub fn snapped(grid: &GridSpec, sensors: &[Sensor], profile: &Profile, update: &
             ..cone
         });
     }
-    // So far from the grid a sensor's points don't reach it.
+    // The points of a sensor farther than this from the grid do not reach it.
     let reaches = |k: usize| {
         let cells = [grid.width, grid.height][k] as i64;
         (-FARTHEST - SLACK..=i64::from(CELL) * cells + FARTHEST + SLACK).contains(&points.sensor[k])
@@ -108,11 +108,11 @@ pub fn snapped(grid: &GridSpec, sensors: &[Sensor], profile: &Profile, update: &
     Ok(Some(Snapped { cone: cone.unwrap_or(alone), shapes, points: points.all, routine, may_occupy }))
 }
 
-/// An update's points under way.
+/// Collects an update's points.
 struct Points<'a> {
     grid: &'a GridSpec,
     reading: &'a Reading,
-    /// Where they count from.
+    /// The snapped sensor, to which the points are relative.
     sensor: [i64; 2],
     all: Vec<[i32; 2]>,
 }
@@ -122,7 +122,7 @@ impl Points<'_> {
         fan.map_or(Ok([0; 2]), |fan| self.add(fan.vertices.iter()))
     }
 
-    /// Adds points: where they begin and end.
+    /// Adds points and returns their range: first, end (exclusive).
     fn add<'p>(&mut self, points: impl Iterator<Item = &'p Point>) -> Result<[u32; 2]> {
         let from = self.all.len() as u32;
         for point in points {

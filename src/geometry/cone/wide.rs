@@ -1,12 +1,12 @@
-//! Membership in 64 bits, for readings that reach farther than 1024 cells; twin of `shaders/geometry/cone/wide.wgsl`, its
-//! integers those of `shaders/geometry/int64.wgsl`.
+//! Membership in 64 bits, for readings that reach farther than 1024 cells; twin of `shaders/geometry/cone/wide.wgsl`.
+//! The shader takes its 64-bit integers from `shaders/geometry/int64.wgsl`.
 
 use super::Row;
 use crate::geometry::layout::*;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
 
-/// A 64-bit magnitude as the kernels convert it.
+/// Converts a 64-bit magnitude to f32 with the same roundings as the kernels.
 #[inline(always)]
 fn float(magnitude: u64) -> f32 {
     (magnitude >> 32) as u32 as f32 * 4_294_967_296.0 + magnitude as u32 as f32
@@ -25,7 +25,8 @@ pub fn wide_row<S: Simd>(simd: S, cone: &Cone, v: [i32; 2]) -> Row<S> {
     }
 }
 
-/// The cells of a row: a bit each in the interior and on the arc; and d², |cross(axis, v)|, dot(axis, v).
+/// Classifies a row's cells. Returns bit masks of the cells in the interior and on the arc, and for each cell d²,
+/// |cross(axis, v)| and dot(axis, v).
 #[inline(never)]
 fn wide_cells(cone: &Cone, v: [i32; 2]) -> ([u64; 2], [[f32; TILE]; 3]) {
     let (mut regions, mut numbers) = ([0; 2], [[0.0; TILE]; 3]);
@@ -41,7 +42,7 @@ fn wide_cells(cone: &Cone, v: [i32; 2]) -> ([u64; 2], [[f32; TILE]; 3]) {
     (regions, numbers)
 }
 
-/// [`super::EdgeFunctions::axis_row`] in 64 bits: the cells before the hit, and the hit cell, a bit each.
+/// [`super::EdgeFunctions::axis_row`] in 64 bits: bit masks of the cells before the hit and of the hit cell.
 #[inline(never)]
 pub fn wide_axis_cells(cone: &Cone, v: [i32; 2]) -> [u64; 2] {
     (0..TILE).fold([0; 2], |[interior, arc], k| {
@@ -50,7 +51,7 @@ pub fn wide_axis_cells(cone: &Cone, v: [i32; 2]) -> [u64; 2] {
     })
 }
 
-/// Membership of one cell in 64 bits; also what the host asks of single cells.
+/// Membership of one cell in 64 bits. The host uses it for single cells too.
 pub(crate) struct Wide {
     inside: bool,
     d2: i64,
@@ -82,13 +83,13 @@ impl Wide {
         }
     }
 
-    /// (interior, arc).
+    /// Whether the cell is in the interior, and whether it is on the arc.
     pub(crate) fn regions(&self) -> (bool, bool) {
         (self.inside && self.d2 < self.inner, self.inside && self.d2 >= self.inner && self.d2 <= self.outer)
     }
 }
 
-/// Whether a cell lies on the axis before the hit, and whether it is the hit cell (SPEC: c is the axis' larger component).
+/// Whether a cell lies on the axis before the hit, and whether it is the hit cell. As in SPEC, c is the axis' larger component.
 pub(crate) fn on_axis_wide(cone: &Cone, v: [i32; 2]) -> (bool, bool) {
     let wide = |a: [i32; 2]| [i64::from(a[0]), i64::from(a[1])];
     let (axis, v, range) = (wide(cone.axis), wide(v), i64::from(cone.reach[0]));

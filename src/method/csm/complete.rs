@@ -1,4 +1,5 @@
-//! What the counting sensor models need of a log and a grid: class labels, the depth of an obstacle, cells that µm can tell apart.
+//! Completes the parameters of the counting sensor models from a log and a grid: class labels and the depth of an obstacle. It
+//! checks that µm can tell the grid's cells apart.
 
 use crate::grid::Palette;
 use crate::log::classes::Classes;
@@ -6,10 +7,10 @@ use crate::method::settings::{Csm, Settings};
 use crate::method::{Completed, LogFacts};
 use crate::{Error, Result};
 
-/// Edge of a cell, metres, at most: a chunk's µm must fit 32 bits.
+/// The largest edge of a cell, metres: a chunk's coordinates in µm must fit 32 bits.
 const LARGEST_CELL: f64 = 2.0;
 
-/// A grid's lower left corner, metres from the origin, at most.
+/// The largest distance of a grid's lower left corner from the origin, metres.
 const FARTHEST_ORIGIN: f64 = 2e6;
 
 /// Completes the parameters; see [`Method::complete`](crate::method::Method::complete).
@@ -35,7 +36,7 @@ pub(super) fn complete(mut csm: Csm, log: &LogFacts) -> Result<Completed> {
     Ok(Completed { settings: Settings::Csm(csm), classes })
 }
 
-/// The class labels of a log: those of the user's file, else those that the log names.
+/// The class labels: those of the user's file, or else those that the log names.
 fn class_labels(log: &LogFacts) -> Result<Classes> {
     let names = log.class_names;
     let classes = match log.class_file {

@@ -1,10 +1,10 @@
-//! What a cell's Dirichlet says: mean, variance, class.
+//! The layers of a cell's Dirichlet distribution: mean, variance, class and α.
 
 use crate::grid::{Class, Palette, Scale};
 use crate::method::LayerSpec;
 use crate::method::settings::Csm;
 
-/// Two α no farther apart than this are a tie.
+/// The largest difference at which two α are a tie.
 const TIE: f64 = 1e-6;
 
 /// Names of the layers of α.
@@ -15,24 +15,24 @@ pub(crate) const ALPHA: [&str; MOST] = [
     "alpha_29", "alpha_30", "alpha_31", "alpha_32", "alpha_33",
 ];
 
-/// The most α that a cell may have.
+/// The largest number of α of a cell.
 pub(super) const MOST: usize = Palette::MOST + 1;
 
-/// A cell's α: of labels 1, 2, …, "free" last.
+/// The α of a cell, for labels 1, 2, … and, last, for "free".
 pub(super) struct Dirichlet {
     alpha: [f64; MOST],
     classes: usize,
 }
 
 impl Dirichlet {
-    /// With these increments over the prior.
+    /// The distribution with these increments over the prior.
     pub fn of(csm: &Csm, increments: &[f64]) -> Dirichlet {
         let mut alpha = [0.0; MOST];
         alpha.iter_mut().zip(increments).for_each(|(a, gain)| *a = csm.prior + gain);
         Dirichlet { alpha, classes: increments.len() }
     }
 
-    /// Sets mean, variance, label and every α; the class.
+    /// Writes mean, variance, label and every α to `layers`, and returns the class.
     pub fn values(&self, layers: &mut [f32]) -> Class {
         let [labels @ .., free] = &self.alpha[..self.classes] else { return Class::Unknown };
         let sum: f64 = self.alpha[..self.classes].iter().sum();
@@ -62,7 +62,7 @@ pub(super) fn specs(csm: &Csm) -> Vec<LayerSpec> {
     let mut start = vec![0.0; 3 + classes];
     Dirichlet::of(csm, &vec![0.0; classes]).values(&mut start);
     let palette = if csm.semantic { csm.palette } else { Palette::plain() };
-    // No variance of a probability is larger.
+    // The variance of a probability is at most 0.25.
     let variance = Scale::Heat { low: 0.0, high: 0.25 };
     let first = [
         ("mean", "probability of occupied: the mean of the Dirichlet", Scale::Grey { low: 0.0, high: 1.0 }),

@@ -1,4 +1,5 @@
-//! The four counting sensor models as methods: their lines of the registry, what the kernels are told, what a cell's words say.
+//! The four counting sensor models as methods: their registry entries, the parameters of the kernels, and the layers from a
+//! cell's words.
 
 use super::layers::{self, Dirichlet, MOST};
 use super::{MARKS, complete};
@@ -12,10 +13,10 @@ use crate::method::{Completed, Cost, Entry, Evidence, Input, LayerSpec, LogFacts
 const WGSL: &str = include_str!("../../../shaders/method/csm.wgsl");
 const DOHERTY: &str = "Doherty, Shan, Wang & Englot 2019; Gan et al. 2020";
 
-/// What a beam does to a cell, as `csm.rs` writes it. Choosing poses and beams is no part of it: that is most of the work, and belongs to
-/// no update.
+/// Operations with which a beam updates a cell, as in `csm.rs`. The choice of poses and beams is not included: it is most of the
+/// work, but belongs to no update.
 const COUNTED: Cost = Cost { flop: 10, int: 12 };
-/// The same with two kernels.
+/// Operations of an update with two kernels.
 const SPREAD: Cost = Cost { flop: 87, int: 10 };
 
 const fn entry(
@@ -27,26 +28,26 @@ const fn entry(
     Entry { name, source: DOHERTY, about, wgsl: WGSL, cost, vec4s_per_thread: 1, make }
 }
 
-/// The registry's line of the plain counting model.
+/// The registry entry of the plain counting model.
 pub const DISCRETE: Entry = entry(
     "csm-discrete",
     "counts of hits and of passes of the nearest beams of the 16 nearest poses",
     COUNTED,
     |settings| model(settings, false, false),
 );
-/// The registry's line of the plain kernel model.
+/// The registry entry of the plain kernel model.
 pub const CONTINUOUS: Entry = entry(
     "csm-continuous",
     "the same, spread by a sparse kernel of 0.2 m: no hole between beams",
     SPREAD,
     |settings| model(settings, true, false),
 );
-/// The registry's line of the counting model with class labels.
+/// The registry entry of the counting model with class labels.
 pub const SEMANTIC_DISCRETE: Entry =
     entry("csm-semantic-discrete", "counts of hits of each class and of passes: labelled logs", COUNTED, |settings| {
         model(settings, false, true)
     });
-/// The registry's line of the kernel model with class labels.
+/// The registry entry of the kernel model with class labels.
 pub const SEMANTIC_CONTINUOUS: Entry = entry(
     "csm-semantic-continuous",
     "hits of each class and passes, spread by the kernel: labelled logs",
@@ -65,11 +66,11 @@ fn model(settings: Settings, continuous: bool, semantic: bool) -> Option<Box<dyn
 #[derive(Debug, Clone, Copy)]
 struct Model(Csm);
 
-/// An increment of no more than this is no update, and such increments together touch a cell only where they are more.
+/// The largest increment that does not count as an update. Such increments touch a cell only where their sum is larger than this.
 const LEAST: f64 = 1e-6;
 
 impl Model {
-    /// Planes of α after the marks.
+    /// Number of planes of α, which follow the marks.
     fn alphas(&self) -> usize {
         match (self.0.continuous, self.0.semantic) {
             (true, _) => 1 + self.0.labels(),
@@ -78,7 +79,7 @@ impl Model {
         }
     }
 
-    /// The increments of α of labels 1, 2, …, "free" last, and how many they are.
+    /// The increments of α for labels 1, 2, … and, last, for "free", and the number of increments.
     fn increments(&self, words: &[u32]) -> ([f64; MOST], usize) {
         let labels = self.0.labels();
         let (mut all, float) = ([0.0; MOST], |w: u32| f64::from(f32::from_bits(w)));
@@ -186,7 +187,7 @@ impl Method for Model {
     }
 }
 
-/// The distance from which on the kernel is no more than 10⁻⁶, µm: what is nearer is an update.
+/// The distance from which on the kernel is at most 10⁻⁶, µm. Increments at smaller distances count as updates.
 pub fn reach(csm: &Csm) -> i32 {
     let k = |micrometres: i32| {
         let s = (1.0 - f64::from(micrometres) * 1e-6 / csm.l).max(0.0);

@@ -23,18 +23,18 @@ impl From<WrongInput> for crate::Error {
 /// One kernel over a chunk's tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pass {
-    /// Σ of the evidence on each reading's arc, tile by tile, from emptiness alone.
+    /// Sums the evidence on each reading's arc, tile by tile, from emptiness alone.
     Weigh,
-    /// Arc cells of each reading.
+    /// Counts the arc cells of each reading.
     Count,
-    /// The update of the cells.
+    /// Updates the cells.
     Fuse,
 }
 
-/// What every job has.
+/// The fields that every job has.
 #[derive(Clone, Copy)]
 pub struct TileTask<'a> {
-    /// The pass.
+    /// The parameters of the pass.
     pub frame: &'a Frame,
     /// The tile.
     pub tile: &'a Tile,
@@ -62,9 +62,9 @@ pub struct ReadingJob<'a> {
     pub tile: &'a Tile,
     /// The tile's entries, in log order.
     pub entries: &'a [Entry],
-    /// Output: parts of sums by the entry's slot, or counts by the cone's index.
+    /// Output: parts of sums, indexed by the entry's slot, or counts, indexed by the cone.
     pub parts: &'a [AtomicU32],
-    /// What the pass before found for each cone.
+    /// The share of each cone, which the previous pass found.
     pub shares: &'a [[u32; 4]],
 }
 

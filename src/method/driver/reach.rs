@@ -14,7 +14,7 @@ use bytemuck::Zeroable;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
 
-/// Entries whose rows are found ahead of their updates.
+/// Number of entries whose rows are found ahead of their updates.
 pub(super) const LOOKAHEAD: usize = 16;
 
 /// A tile and the part of it that lies in the grid.
@@ -57,7 +57,7 @@ impl<S: Simd> Lookahead<S> {
         Lookahead([(EdgeFunctions::of(simd, &Zeroable::zeroed(), [0, 0], false), 0); LOOKAHEAD])
     }
 
-    /// Computes those of these entries, `LOOKAHEAD` at most; the arc of a reading without an echo only with `arcs`.
+    /// Computes the edge functions and rows of at most `LOOKAHEAD` entries; the arc of a reading without an echo only with `arcs`.
     #[inline(always)]
     pub(super) fn look(
         &mut self,
@@ -103,7 +103,7 @@ impl Reach {
         let polar = polar.map(|frame| (frame, cone));
         let columns = 0xffffu32 >> (TILE - place.columns.min(TILE));
         self.rows = rows;
-        // A loop each, without a branch or a call that the others need.
+        // Each case has its own loop, without the branches and calls that only other cases need.
         match (cone.flags & WIDE != 0, K::AXIS, entry.cone & INSIDE != 0) {
             (true, true, _) => {
                 for y in Bits(rows) {
@@ -147,7 +147,7 @@ impl Reach {
         }
     }
 
-    /// A filled row.
+    /// Row `y`, which must have been filled.
     #[inline(always)]
     pub(super) fn row<S: Simd>(&self, simd: S, y: usize) -> Reached<S> {
         Reached {

@@ -1,4 +1,4 @@
-//! The CPU's pass over scans: each cell's nearest poses, and of each pose the nearest beam, in log order; twin of
+//! The CPU's pass over scans: a cell takes the nearest beam of each of its nearest poses, in log order; twin of
 //! `shaders/method/driver/scan.wgsl`.
 //!
 //! The 16 cells of a row find their nearest poses together. The search for a cell's beam starts from the beam of the cell before.
@@ -15,14 +15,14 @@ use fearless_simd::{Level, dispatch, f64x8};
 /// Updates a tile's cells with the scans of its list.
 ///
 /// # Errors
-/// [`WrongInput`] where the job has no scans.
+/// [`WrongInput`] if the job has no scans.
 pub fn walk_scans(csm: &Csm, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
     let (job, planes): (_, &mut [Plane]) = (job.scans()?, bytemuck::cast_slice_mut(state));
     dispatch!(Level::new(), simd => fuse(simd, csm, job, planes));
     Ok(())
 }
 
-/// Squares of the distances of a row's cells, µm²; f64 holds them exactly while they are nearer than 90 m.
+/// Squared distances of a row's cells, µm². f64 holds them exactly for distances below 90 m.
 type Squares = [f64; TILE];
 
 #[inline(always)]
@@ -68,8 +68,8 @@ fn squares(pose: [f64; 2], across: &[f64; TILE], up: f64) -> Squares {
     squares
 }
 
-/// Each cell's n-th smallest square, and how many of those equal to it are among the n nearest: the earlier ones. `nearest` is
-/// room for n rows of squares.
+/// Each cell's n-th smallest square, and how many of the poses at that distance are among the n nearest, where earlier poses
+/// come first. `nearest` is scratch memory for n rows of squares.
 #[inline(always)]
 fn nth<S: Simd>(
     simd: S,
@@ -110,23 +110,23 @@ fn nth<S: Simd>(
     (last, ties)
 }
 
-/// The squares of a row, in two halves.
+/// The squared distances of a row, in two halves.
 type Halves<S> = [f64x8<S>; 2];
 
-/// No beam.
+/// Index that stands for "no beam".
 const NONE: u32 = u32::MAX;
 
 /// The cells of a row that take a scan.
 struct Taken<'a> {
-    /// The row in the tile.
+    /// Index of the row in the tile.
     line: usize,
-    /// The row's centre, µm.
+    /// The y coordinate of the row's cell centres, µm.
     y: i32,
     squares: &'a Squares,
     taken: &'a [bool; TILE],
 }
 
-/// Updates the cells of a row that take a scan, each with the scan's beam that is nearest to it.
+/// Updates each cell of a row that takes a scan with the scan's beam that is nearest to the cell.
 #[inline(always)]
 fn contributing_beams(
     (csm, job): (&Csm, &ScanJob),
@@ -143,7 +143,7 @@ fn contributing_beams(
     for k in 0..TILE {
         seen.x[k] = f64::from(xs[k].wrapping_sub(scan.pose[0]));
     }
-    // The place of each cell's beam; a row's bearings only turn one way, so the next one is near.
+    // The index of each cell's beam. Along a row the bearings turn one way only, so the next cell's beam is near.
     let mut found = [NONE; TILE];
     let mut at = NONE;
     for k in 0..TILE {
@@ -162,7 +162,7 @@ fn contributing_beams(
         }
         found[k] = at;
     }
-    // Cells that take the same beam are updated together; between them there may be some that take none.
+    // Cells that take the same beam are updated together. Cells that take no beam may lie between them.
     let mut next = 0;
     while next < TILE {
         let at = found[next];

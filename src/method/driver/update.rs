@@ -14,7 +14,7 @@ use fearless_simd::{Level, dispatch, f32x16, mask32x16, u32x16};
 /// Updates the tile's cells.
 ///
 /// # Errors
-/// [`WrongInput`] where the job has no updates.
+/// [`WrongInput`] if the job has no updates.
 pub fn walk_updates(job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
     let (job, planes): (_, &mut [Plane]) = (job.updates()?, bytemuck::cast_slice_mut(state));
     dispatch!(Level::new(), simd => fuse(simd, job, planes));

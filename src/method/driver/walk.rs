@@ -9,7 +9,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, mask32x16, u32x16};
 use std::sync::atomic::Ordering;
 
-/// The SIMD level that this machine runs.
+/// The name of the SIMD level that this machine uses.
 pub fn simd_level() -> String {
     format!("{:?}", Level::new()).split('(').next().unwrap_or_default().to_lowercase()
 }
@@ -17,7 +17,7 @@ pub fn simd_level() -> String {
 /// Runs a pass over a tile.
 ///
 /// # Errors
-/// [`WrongInput`] where the job has no readings.
+/// [`WrongInput`] if the job has no readings.
 pub fn walk<K: Kernel>(kernel: &K, pass: Pass, job: &Job, state: &mut [u32]) -> Result<(), WrongInput> {
     let (level, job) = (Level::new(), job.readings()?);
     let planes: &mut [Plane] = bytemuck::cast_slice_mut(state);
@@ -33,7 +33,7 @@ pub fn walk<K: Kernel>(kernel: &K, pass: Pass, job: &Job, state: &mut [u32]) -> 
 #[inline(always)]
 fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &ReadingJob, state: &mut [Plane]) {
     let place = Place::of(job);
-    // Copies, so that what they decide is decided outside the loops.
+    // Local copies let the compiler move the branches that depend on them out of the loops.
     let (kernel, frame) = (&{ *kernel }, &{ *job.frame });
     let (mut reach, mut lookahead) = (Reach::new(), Lookahead::new(simd));
     let polar = kernel.polar().then_some(frame);
@@ -43,7 +43,7 @@ fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &ReadingJob, state: &mut [
             let cone = &job.cones[entry.index()];
             let share = job.shares.get(cone.index as usize).copied().unwrap_or_default();
             let reading = Applied { frame, cone, share: &share };
-            // Most tiles lie off the arc: theirs are loops without it.
+            // Most tiles lie off the arc and use loops without it.
             if entry.cone & ARC != 0 {
                 reach.fill::<S, K, true>(&place, (entry, cone), edges, *rows, polar);
                 update_cells::<S, K, true>(simd, kernel, &reading, &reach, state);
@@ -61,14 +61,14 @@ fn fuse<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &ReadingJob, state: &mut [
     }
 }
 
-/// A reading as a method applies it.
+/// A reading in the form in which a method applies it.
 struct Applied<'a> {
     frame: &'a Frame,
     cone: &'a Cone,
     share: &'a [u32; 4],
 }
 
-/// Updates the rows that one reading reaches; without `ARCS` none has a cell on its arc.
+/// Updates the rows that one reading reaches. Without `ARCS` no cell is on the arc.
 #[inline(always)]
 fn update_cells<S: Simd, K: Kernel, const ARCS: bool>(
     simd: S,
@@ -102,8 +102,8 @@ pub(super) fn count_row<S: Simd>(simd: S, region: mask32x16<S>, counts: &mut [u3
     region.select(count + 1, count).store_array(counts);
 }
 
-/// Sums each reading's evidence on the tile's part of its arc in the order of the GPU: four cells of a row, down the columns of such
-/// vectors, then across.
+/// Sums each reading's evidence on the tile's part of its arc in the same order as the GPU: within vectors of four cells of a
+/// row, then down the columns of vectors, then across.
 #[inline(always)]
 fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &ReadingJob, state: &[Plane]) {
     let place = Place::of(job);
@@ -141,7 +141,7 @@ fn weigh<S: Simd, K: Kernel>(simd: S, kernel: &K, job: &ReadingJob, state: &[Pla
 fn count<S: Simd, K: Kernel>(simd: S, job: &ReadingJob) {
     let place = Place::of(job);
     let (mut reach, mut lookahead) = (Reach::new(), Lookahead::new(simd));
-    // Only these have arc cells.
+    // Only entries with this flag have arc cells.
     let arcs: Vec<Entry> = job.entries.iter().copied().filter(|e| e.cone & ARC != 0).collect();
     for entries in arcs.chunks(LOOKAHEAD) {
         lookahead.look(simd, K::AXIS, &place, (job.cones, entries), true);

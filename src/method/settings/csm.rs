@@ -10,10 +10,10 @@ use std::f64::consts::{PI, TAU};
 /// How a beam frees the cells along it (continuous models).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FreeRule {
-    /// From the foot of the perpendicular on the beam; nothing before the sensor, nor beyond the hit (default).
+    /// From the foot of the perpendicular on the beam, if it lies between the sensor and the hit (default).
     #[default]
     Projection,
-    /// From samples each `step` along the beam, each adding its own.
+    /// From samples at every `step` along the beam; each adds its own evidence.
     Sample,
     /// From the point of the beam between the sensor and `l` before the hit that is nearest to the foot.
     Clamp,
@@ -22,17 +22,17 @@ pub enum FreeRule {
 /// A counting sensor model (Doherty et al. 2019; Gan et al. 2020).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Csm {
-    /// Evidence falls off with distance by the sparse kernel; else it is counted.
+    /// Whether evidence decreases with distance by the sparse kernel; otherwise it is counted.
     pub continuous: bool,
-    /// One count a class label; else all hits are alike.
+    /// Whether each class label has its own count; otherwise all hits are alike.
     pub semantic: bool,
     /// The class labels of a semantic model and their colours, "free" last.
     pub palette: Palette,
-    /// How many of the nearest poses speak of a cell; `None`: all.
+    /// Number of nearest poses that may update a cell; `None`: all.
     pub neighbours: Option<u16>,
-    /// How a beam frees (continuous).
+    /// The rule by which a beam frees cells (continuous models).
     pub free: FreeRule,
-    /// From one sample to the next, metres (`free=sample`).
+    /// Distance between samples, metres (`free=sample`).
     pub step: f64,
     /// α of each class before the first reading.
     pub prior: f64,
@@ -40,15 +40,15 @@ pub struct Csm {
     pub w_obstacle: Option<f64>,
     /// Width of a beam, radians (discrete).
     pub w_beam: f64,
-    /// Readings from here on say nothing, nor is a cell beyond it touched, metres.
+    /// Distance from which on readings are ignored and cells are not touched, metres.
     pub z_max: f64,
-    /// Where the kernel ends, metres (continuous).
+    /// Distance at which the kernel ends, metres (continuous models).
     pub l: f64,
-    /// The kernel's value at 0 (continuous).
+    /// Value of the kernel at distance 0 (continuous models).
     pub sigma0: f64,
 }
 
-/// The largest `z_max`, metres: what is nearer is decided exactly in 53-bit integers of µm.
+/// The largest `z_max`, metres. Up to this distance choices are exact in 53-bit integers of µm.
 const FARTHEST: f64 = 90.0;
 
 impl Csm {
@@ -70,7 +70,7 @@ impl Csm {
         }
     }
 
-    /// Class labels of hits: 1 for a plain model.
+    /// Number of class labels of hits; 1 for a plain model.
     pub fn labels(&self) -> usize {
         if self.semantic { self.palette.classes() } else { 1 }
     }
@@ -80,7 +80,7 @@ impl Csm {
         (self.w_obstacle.unwrap_or(2.0 * resolution) * 5e5).round() as i32
     }
 
-    /// How far beyond a hit, or beside a beam, a cell of that size may be touched, µm.
+    /// The largest distance beyond a hit, or beside a beam, at which a cell of that size may be touched, µm.
     pub fn margin(&self, resolution: f64) -> i32 {
         if self.continuous { (self.l * 1e6).round() as i32 } else { self.half_obstacle(resolution) }
     }
@@ -131,7 +131,7 @@ impl Csm {
         Ok(())
     }
 
-    /// Their values as texts, in the order of the keys.
+    /// The values as text, in the order of the keys.
     pub(super) fn values(&self) -> Vec<String> {
         let neighbours = self.neighbours.map_or("all".into(), |n| n.to_string());
         let first = [neighbours, self.prior.to_string(), self.z_max.to_string()];

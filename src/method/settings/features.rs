@@ -71,7 +71,7 @@ impl Features {
         Ok(())
     }
 
-    /// Their values as texts, in the order of the keys.
+    /// The values as text, in the order of the keys.
     pub(super) fn values(&self) -> Vec<String> {
         let Rules { paper, corners, points, phantoms, lines, wide, hold } = self.rules;
         let rules = if paper { "paper" } else { "ours" };
