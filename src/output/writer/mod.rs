@@ -60,7 +60,7 @@ impl MapWriter {
     /// there are none, it begins.
     ///
     /// # Errors
-    /// [`Error::Resources`] if something can't be written; [`Error::Usage`] where the earlier run was another one.
+    /// [`crate::Error::Resources`] if something can't be written; [`crate::Error::Usage`] where the earlier run was another one.
     pub fn open(folder: &Path, schema: MapSchema, info: &RunInfo, resume: bool) -> Result<MapWriter> {
         let mut identity = zarr::attributes(&schema, info);
         identity.insert("npy".into(), schema.npy.into());
